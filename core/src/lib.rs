@@ -96,6 +96,7 @@
 //!   sparse quadratic programming", in: Reliable numerical computation.
 //! - **Farin2002**: G. Farin, "Curves and surfaces for CAGD", 5th edition, Morgan Kaufmann.
 //! - **Kelley1995**: C. T. Kelley, "Iterative methods for linear and nonlinear equations", SIAM.
+//! - **AumassonBernstein2012**: J.-P. Aumasson, D. J. Bernstein, "SipHash: a fast short-input PRF", INDOCRYPT 2012.
 //! - **RFC6298**: V. Paxson et al., "Computing TCP's retransmission timer", 2011.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

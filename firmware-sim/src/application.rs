@@ -5,6 +5,8 @@
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
+use foldpath_core::wire::key::Key;
+use foldpath_core::wire::protection::{Protection, Unkeyed};
 
 use crate::controller::{Condition, Controller, Settings};
 use crate::retained::{self, Bytes, HEAD, Record};
@@ -35,6 +37,14 @@ pub trait Board {
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]);
     /// Reads bytes from byte `at` on of record 0 or 1, whatever its memory held at the start.
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]);
+    /// Returns the key that was stored, if this board has one. Called once at the start of a controller that has room for a
+    /// key.
+    fn key(&mut self) -> Option<Key> {
+        None
+    }
+    /// Stores the key that a host has set, in memory that keeps it without power. Called at rest, and only if
+    /// [`Settings::pairs`] allows it.
+    fn store_key(&mut self, _: &Key) {}
     /// Keeps the watchdog from resetting the board for a while longer.
     fn feed(&mut self);
 }
@@ -48,10 +58,11 @@ pub struct Application<
     const HINGES: usize,
     const SPOKES: usize,
     const KNOTS: usize,
+    P = Unkeyed,
 > {
     board: B,
     line: L,
-    device: Controller<GROUPS, HINGES, SPOKES, KNOTS>,
+    device: Controller<GROUPS, HINGES, SPOKES, KNOTS, P>,
     /// Number of starts (`starts`, resets included), and number of records written (`records`).
     starts: u32,
     records: u32,
@@ -59,14 +70,24 @@ pub struct Application<
     due: u64,
 }
 
-impl<B, L, const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
-    Application<B, L, GROUPS, HINGES, SPOKES, KNOTS>
+impl<
+    B,
+    L,
+    const GROUPS: usize,
+    const HINGES: usize,
+    const SPOKES: usize,
+    const KNOTS: usize,
+    P: Protection,
+> Application<B, L, GROUPS, HINGES, SPOKES, KNOTS, P>
 where
     B: Board,
     L: Read + ReadReady + Write + WriteReady,
 {
     /// Creates a controller that stands where it was before a reset, if that was kept. If the stop line held the
     /// motion or the motion had failed, that is still so. Does not compile if the board's records are too small.
+    ///
+    /// With room for a key ([`Keyed`](foldpath_core::wire::protection::Keyed)) the controller has the key that the board
+    /// has stored. If there is none, it takes frames of any host, and takes a key if [`Settings::pairs`] allows it.
     // Inlined, as are the constructors that it calls: otherwise the controller is built on the stack and moved from
     // there.
     #[inline(always)]
@@ -79,13 +100,15 @@ where
             );
         }
         let kept = latest::<GROUPS>(&mut board);
+        let key = if P::KEYED { board.key() } else { None };
+        let protection = P::with_key(key);
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
         // A warm reset may leave the board's own number as it was.
         let nonce = settings.nonce.wrapping_add(u64::from(starts) << 32);
         Self {
             board,
             line,
-            device: Controller::new(Settings { nonce, ..settings }),
+            device: Controller::protected(Settings { nonce, ..settings }, protection),
             starts,
             records: kept.map_or(0, |kept| kept.count),
             due: 0,
@@ -174,6 +197,10 @@ where
             }
             let [byte] = byte;
             self.device.byte(byte, now);
+            // Before any answer leaves: a controller that answers with its key has stored it.
+            if let Some(key) = self.device.new_key() {
+                self.board.store_key(&key);
+            }
             self.watch();
         }
     }

@@ -7,8 +7,9 @@
 
 use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
-use foldpath_core::wire::frame;
+use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
+use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupLimits, Membership};
@@ -44,6 +45,9 @@ pub struct Settings {
     pub closed: bool,
     /// Number of the controller on its line; 0 if it is the only one.
     pub node: u8,
+    /// `true` if a host may set the key of a controller that has room for one and has none yet. Only for lines that no
+    /// stranger reaches: whoever reads the message has the key.
+    pub pairs: bool,
 }
 
 impl Settings {
@@ -58,6 +62,7 @@ impl Settings {
             limits,
             closed: true,
             node: 0,
+            pairs: false,
         }
     }
 }
@@ -81,17 +86,18 @@ pub struct Condition {
 }
 
 /// A controller for at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices, with a queue of
-/// `KNOTS` setpoints.
+/// `KNOTS` setpoints. Its frames have tags of a key if `P` is [`Keyed`] and there is a key.
 #[derive(Debug)]
 pub struct Controller<
     const GROUPS: usize,
     const HINGES: usize,
     const SPOKES: usize,
     const KNOTS: usize,
+    P = Unkeyed,
 > {
     settings: Settings,
     loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
-    receiver: Receiver,
+    receiver: Receiver<P>,
     deframer: Deframer<FRAME>,
     ring: Ring<WAITING>,
     /// `true` if the stop line was drawn since a command was last answered.
@@ -105,11 +111,39 @@ pub struct Controller<
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
     Controller<GROUPS, HINGES, SPOKES, KNOTS>
 {
-    /// Creates a controller that waits for a host.
+    /// Creates a controller without a key that waits for a host.
     // Inlined for the reason given at `Application::new`.
     #[inline(always)]
     #[must_use]
     pub fn new(settings: Settings) -> Self {
+        Self::protected(settings, Unkeyed)
+    }
+}
+
+impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
+    Controller<GROUPS, HINGES, SPOKES, KNOTS, Keyed>
+{
+    /// Creates a controller that waits for a host with this key. Without a key it takes frames of any host, until a host
+    /// sets one.
+    #[inline(always)]
+    #[must_use]
+    pub fn keyed(settings: Settings, key: Option<Key>) -> Self {
+        Self::protected(settings, Keyed::with_key(key))
+    }
+}
+
+impl<
+    const GROUPS: usize,
+    const HINGES: usize,
+    const SPOKES: usize,
+    const KNOTS: usize,
+    P: Protection,
+> Controller<GROUPS, HINGES, SPOKES, KNOTS, P>
+{
+    /// Creates a controller that waits for a host, with this protection of its frames.
+    #[inline(always)]
+    #[must_use]
+    pub fn protected(settings: Settings, protection: P) -> Self {
         let count = |room: usize| u16::try_from(room).unwrap_or(u16::MAX);
         let identity = Identity {
             node: settings.node,
@@ -124,7 +158,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         Self {
             settings,
             loader: Loader::new(Follower::new(settings.follower)),
-            receiver: Receiver::new(identity),
+            receiver: Receiver::protected(identity, protection),
             deframer: Deframer::default(),
             ring: Ring::default(),
             drawn: false,
@@ -228,6 +262,14 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         loader.follower.heard(now);
         match event {
             Event::Alive => {}
+            // A motion that is not at rest would have to hold at once, because its session ends.
+            Event::Pair(key) => {
+                let follower = &loader.follower;
+                let rests = follower.state() != State::Running && follower.rate() <= 0.0;
+                if self.settings.pairs && rests {
+                    receiver.pair(key);
+                }
+            }
             Event::Item(item) => settle(receiver, loader.take(item, &self.settings)),
             Event::Command(command) => {
                 // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
@@ -256,6 +298,11 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             let checked = self.loader.check_on();
             settle(&mut self.receiver, checked);
         }
+    }
+
+    /// Returns a key that was set since the last call, which the board has to store.
+    pub fn new_key(&mut self) -> Option<Key> {
+        self.receiver.new_key()
     }
 
     /// Sets the level of the stop line.
@@ -314,8 +361,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             self.receiver.sent();
             self.told = Some((state, reason, room, stopped));
         }
-        if let Some(session) = self.receiver.session() {
-            self.tell(session, now, &mut buffer);
+        if self.receiver.session().is_some() {
+            self.tell(now, &mut buffer);
         }
     }
 
@@ -326,7 +373,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 
     /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
     /// its time is dropped.
-    fn tell(&mut self, session: u32, now: u64, buffer: &mut [u8]) {
+    fn tell(&mut self, now: u64, buffer: &mut [u8]) {
         let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
         if self.snapshot.sent.is_none() && due {
             self.telemetry = now;
@@ -336,17 +383,18 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             }
         }
         while let Some(message) = self.snapshot.message() {
-            let frame = frame::seal_for(self.settings.node, session, &message, buffer);
+            let frame = self.receiver.post(&message, buffer);
             if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE)) {
                 return;
             }
+            self.receiver.posted();
             self.snapshot.sent();
         }
     }
 }
 
 /// Tells whether an item was taken, if that is known.
-fn settle(receiver: &mut Receiver, taken: Result<bool, ItemRefusal>) {
+fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bool, ItemRefusal>) {
     match taken {
         Ok(true) => receiver.took(),
         Ok(false) => {}

@@ -9,8 +9,10 @@ use foldpath_core::least_squares::{ClosureProblem, Limits};
 use foldpath_core::project::project;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
+use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::Command;
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::sender::{Options, Sender};
 use foldpath_core::{
     DualNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
@@ -74,7 +76,8 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         (64, "tick-of-64-hinges"),
         (HINGES, "tick-of-1104-hinges"),
     ] {
-        let [tick, record, setpoint] = stream(&mut meter, stars, path.view(), hinges)?;
+        let costs = stream::<Unkeyed>(&mut meter, stars, path.view(), hinges, None)?;
+        let [tick, record, setpoint] = costs;
         tell(what, tick)?;
         if hinges == HINGES {
             tell("record-of-2-groups", record)?;
@@ -82,6 +85,15 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         if hinges == HINGES {
             tell("setpoint-from-its-frame-to-the-answer", setpoint)?;
         }
+    }
+    let key = Key::new([0x5a; Key::SIZE]);
+    let keyed = stream::<Keyed>(&mut meter, stars, path.view(), HINGES, Some(key));
+    let [_, _, setpoint] = keyed?;
+    tell("setpoint-with-a-key-from-its-frame-to-the-answer", setpoint)?;
+    let bytes = [0x5a; 256];
+    for (length, what) in [(40, "tag-of-40-bytes"), (256, "tag-of-256-bytes")] {
+        let frame = black_box(bytes.get(..length).unwrap_or(&[]));
+        tell(what, meter.measure(|| key.tag(frame)))?;
     }
     Ok(())
 }
@@ -152,14 +164,15 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
 }
 
 /// Measures a tick that drives this number of `hinges`, the record that the tick keeps, and the reception, check and
-/// answer of a setpoint; returns the mean of each.
+/// answer of a setpoint, over a link with a key if there is one; returns the mean of each.
 // Not inlined, so that the stack of one thing at a time is in use.
 #[inline(never)]
-fn stream(
+fn stream<P: Protection>(
     meter: &mut Meter<impl FnMut() -> u32>,
     stars: StarsView<'_, f32>,
     path: TrajectoryView<'_, f32>,
     hinges: usize,
+    key: Option<Key>,
 ) -> Result<[u32; 3], Failure> {
     let hinges = MEMBERSHIPS.get(..hinges).ok_or(Failure::Size)?;
     let limits = [ANY; 2];
@@ -173,8 +186,12 @@ fn stream(
     );
     let items = items.ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, Options::default());
+    if let Some(key) = key {
+        sender = sender.with_key(key, 1);
+    }
     let mut answers = cobs::Deframer::<256>::default();
-    let mut device = Controller::<2, HINGES, 4, 16>::new(Settings::new(1, |_| ANY));
+    let settings = Settings::new(1, |_| ANY);
+    let mut device = Controller::<2, HINGES, 4, 16, P>::protected(settings, P::with_key(key));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut ticks, mut setpoints, mut told) = ((0, 0), (0, 0), false);
     let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));

@@ -56,9 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         residual: 0.0,
     };
     let options = Options {
-        resume: false,
-        at_start: false,
         id: 1,
+        ..Options::default()
     };
     let summary = stream::run(&mut Sim::new(), &path, options, &mut watcher)?;
 

@@ -3,6 +3,7 @@
 
 use crate::follower::{FollowerPosition, Reason, State};
 use crate::wire::cobs::Deframer;
+use crate::wire::key::Key;
 use crate::wire::message::{Command, Item, Report, ToHost};
 use crate::wire::path::PathItems;
 use crate::wire::sender::{Options, Phase, Sender, Source};
@@ -83,6 +84,15 @@ impl<'a> Driver<'a> {
     pub fn confirming(self) -> Self {
         Self {
             confirms: true,
+            ..self
+        }
+    }
+
+    /// Protects all frames by a key; see [`Sender::with_key`].
+    #[must_use]
+    pub fn with_key(self, key: Key, nonce: u32) -> Self {
+        Self {
+            sender: self.sender.with_key(key, nonce),
             ..self
         }
     }

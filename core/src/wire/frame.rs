@@ -1,12 +1,10 @@
-//! Frames: the node, the session, a message as postcard encodes it, and the CRC-32 of all.
+//! Frames: the node, the session, a message as postcard encodes it, and the CRC-32 of all. On a link with a key a counter
+//! and a tag stand in the place of the CRC-32: see [`key`](crate::wire::key).
 
 use postcard::{Deserializer, Error, de_flavors, ser_flavors};
 use serde::{Deserialize, Serialize};
 
 use crate::checksum::checksum;
-
-/// Number of bytes of a frame besides its message.
-pub const OVERHEAD: usize = 9;
 
 /// Writes a frame for the only controller of a line, node 0, into `buffer` and returns it; `None` if there is no room.
 pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
@@ -20,14 +18,32 @@ pub fn seal_for<'b>(
     message: &impl Serialize,
     buffer: &'b mut [u8],
 ) -> Option<&'b [u8]> {
+    let length = write(node, session, message, buffer)?;
+    let length = close(buffer, length)?;
+    buffer.get(..length)
+}
+
+/// Writes node, session and message to `buffer` and returns their length; `None` if there is no room.
+pub(crate) fn write(
+    node: u8,
+    session: u32,
+    message: &impl Serialize,
+    buffer: &mut [u8],
+) -> Option<usize> {
     let (head, body) = buffer.split_first_chunk_mut::<5>()?;
     let [a, b, c, d] = session.to_le_bytes();
     *head = [node, a, b, c, d];
     let bytes = Written { body, length: 0 };
     let message = postcard::serialize_with_flavor(message, bytes).ok()?;
-    let (covered, rest) = buffer.split_at_mut_checked(5 + message)?;
+    Some(5 + message)
+}
+
+/// Writes the checksum of the first `length` bytes of a frame behind them. Returns the length of the whole; `None` if
+/// there is no room.
+pub(crate) fn close(buffer: &mut [u8], length: usize) -> Option<usize> {
+    let (covered, rest) = buffer.split_at_mut_checked(length)?;
     *rest.first_chunk_mut::<4>()? = checksum(covered).to_le_bytes();
-    buffer.get(..message + OVERHEAD)
+    Some(length + 4)
 }
 
 /// Returns session and message of a frame of node 0; see [`open_for`].
@@ -38,16 +54,29 @@ pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
 /// Returns session and message of a frame of `node`; `None` if the frame is that of another node, if the checksum
 /// differs, or if the bytes are not those of exactly one message.
 pub fn open_for<'b, M: Deserialize<'b>>(node: u8, frame: &'b [u8]) -> Option<(u32, M)> {
+    let session = session(node, frame)?;
+    Some((session, message(checked(frame)?)?))
+}
+
+/// Returns the session of a frame of `node`; `None` if the frame is that of another node or too short.
+pub(crate) fn session(node: u8, frame: &[u8]) -> Option<u32> {
+    let ([to, session @ ..], _) = frame.split_first_chunk::<5>()?;
+    (*to == node).then_some(u32::from_le_bytes(*session))
+}
+
+/// Returns the bytes before the checksum of a frame; `None` if the checksum differs.
+pub(crate) fn checked(frame: &[u8]) -> Option<&[u8]> {
     let (covered, sum) = frame.split_last_chunk::<4>()?;
-    let ([to, session @ ..], body) = covered.split_first_chunk::<5>()?;
-    if *to != node || checksum(covered).to_le_bytes() != *sum {
-        return None;
-    }
+    (checksum(covered).to_le_bytes() == *sum).then_some(covered)
+}
+
+/// Returns the message behind node and session; `None` if the bytes are not those of exactly one message.
+pub(crate) fn message<'b, M: Deserialize<'b>>(covered: &'b [u8]) -> Option<M> {
+    let (_, body) = covered.split_first_chunk::<5>()?;
     let mut bytes = Deserializer::from_flavor(Unread(body));
     let message = M::deserialize(&mut bytes).ok()?;
     let rest = bytes.finalize().ok()?;
-    rest.is_empty()
-        .then_some((u32::from_le_bytes(*session), message))
+    rest.is_empty().then_some(message)
 }
 
 /// The bytes of a message that is encoded. Its functions are not inlined, nor are those of [`Unread`]: inlined once for

@@ -11,10 +11,10 @@ use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::numbers::{Numbers, long, short, wide};
 
 /// Version of the protocol.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x0df5_9e56;
+pub const SCHEMA: u32 = 0x0363_dc1f;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +49,9 @@ pub enum ToDevice<'a> {
     },
     /// Sign of life of the host, which asks for a [`Report`].
     Alive,
+    /// A key for a controller that has none, [`SIZE`](crate::wire::key::Key::SIZE) bytes. A controller that takes it ends
+    /// the session, and from then on takes only frames with tags of this key.
+    Pair(#[serde(borrow)] &'a [u8]),
 }
 
 /// Items, which are sent in order: a sheet, and then the setpoints of a path on it.

@@ -7,16 +7,20 @@
 //! - [`driver`]: the policy of a host, commands and their times.
 //! - [`frame`]: a session, a message and a CRC-32 in a frame.
 //! - [`message`]: the messages.
+//! - [`key`], [`protection`]: keys, and frames that only their owners can make.
 //! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than there is room
 //!   for.
 //! - [`path`]: a path and its sheet as items.
 //! - [`transmit`]: bytes that wait for the line; telemetry gives way to answers.
 
 pub mod cobs;
+mod credentials;
 pub mod driver;
 pub mod frame;
+pub mod key;
 pub mod message;
 pub mod path;
+pub mod protection;
 pub mod receiver;
 pub mod sender;
 mod sequence;

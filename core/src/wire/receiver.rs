@@ -5,9 +5,11 @@
 
 use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::wire::frame;
+use crate::wire::key::Key;
 use crate::wire::message::{
     Capacity, Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION,
 };
+use crate::wire::protection::{Protection, Unkeyed};
 use crate::wire::sequence::ahead;
 
 /// Factor that spreads the bits of a nonce: 2⁶⁴ over the golden ratio, made odd.
@@ -22,6 +24,8 @@ pub enum Event<'a> {
     Command(Command),
     /// A sign of life, as every other frame of the session is.
     Alive,
+    /// A key to take; call [`Receiver::pair`], or do nothing.
+    Pair(Key),
 }
 
 /// State of the controller for a report, which the receiver does not know itself.
@@ -73,8 +77,9 @@ struct Due {
 
 /// The state machine of the controller's end.
 #[derive(Clone, Debug)]
-pub struct Receiver {
+pub struct Receiver<P = Unkeyed> {
     identity: Identity,
+    protection: P,
     greetings: u32,
     offered: Option<Peer>,
     open: Option<Peer>,
@@ -97,13 +102,22 @@ enum Gap {
 }
 
 impl Receiver {
-    /// Creates a receiver without a session.
+    /// Creates a receiver without a session and without a key.
     #[must_use]
     pub fn new(identity: Identity) -> Self {
+        Self::protected(identity, Unkeyed)
+    }
+}
+
+impl<P: Protection> Receiver<P> {
+    /// Creates a receiver without a session, whose frames are protected.
+    #[must_use]
+    pub fn protected(identity: Identity, protection: P) -> Self {
         // Every bit of the nonce changes the upper half of the product.
         let [.., a, b, c, d] = identity.nonce.wrapping_mul(MIX).to_le_bytes();
         Self {
             identity,
+            protection,
             greetings: u32::from_le_bytes([a, b, c, d]),
             offered: None,
             open: None,
@@ -131,7 +145,8 @@ impl Receiver {
 
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
-        let (session, message) = frame::open_for(self.identity.node, bytes)?;
+        let session = frame::session(self.identity.node, bytes)?;
+        let message = frame::message(self.protection.take(session, bytes)?)?;
         if let ToDevice::Hello {
             version,
             schema,
@@ -147,6 +162,10 @@ impl Receiver {
         self.heard = self.heard.wrapping_add(1);
         match message {
             ToDevice::Hello { .. } => None,
+            ToDevice::Pair(key) => Some(match <[u8; Key::SIZE]>::try_from(key) {
+                Ok(key) => Event::Pair(Key::new(key)),
+                Err(_) => Event::Alive,
+            }),
             ToDevice::Alive => {
                 self.due.report = true;
                 Some(Event::Alive)
@@ -171,12 +190,17 @@ impl Receiver {
         }
         // A repeated greeting gets the same session again.
         let known = [self.open, self.offered].into_iter().flatten();
-        let known = { known }.find(|peer| peer.id == id);
-        let peer = known.unwrap_or_else(|| {
-            let session = self.fresh(id);
-            *self.offered.insert(Peer { id, session })
-        });
-        self.due.welcome = Some(peer);
+        let known = { known }.find(|peer| peer.id == id && self.protection.knows(peer.session));
+        if let Some(peer) = known.or_else(|| self.offer(id)) {
+            self.due.welcome = Some(peer);
+        }
+    }
+
+    /// Offers a new session to a host, if there is one left.
+    fn offer(&mut self, id: u32) -> Option<Peer> {
+        let session = self.fresh(id);
+        let offers = self.protection.offer(id, self.identity.nonce, session);
+        offers.then(|| *self.offered.insert(Peer { id, session }))
     }
 
     /// Returns a new session for a host: neither 0 nor the open one.
@@ -201,7 +225,8 @@ impl Receiver {
             return None;
         };
         let (greetings, due) = (self.greetings, self.due);
-        *self = Self::new(self.identity);
+        self.protection.begin();
+        *self = Self::protected(self.identity, self.protection.clone());
         self.greetings = greetings;
         (self.open, self.opened) = (Some(peer), true);
         self.due = Due {
@@ -245,6 +270,45 @@ impl Receiver {
         self.denied = result.err();
     }
 
+    /// Takes a key and ends the session, if there is room for a key and none is there yet. Returns `true` if the key was
+    /// taken.
+    pub fn pair(&mut self, key: Key) -> bool {
+        let taken = self.protection.pair(key);
+        if taken {
+            *self = Self::protected(self.identity, self.protection.clone());
+        }
+        taken
+    }
+
+    /// Returns a key that was taken since the last call, for memory that keeps it without power.
+    pub fn new_key(&mut self) -> Option<Key> {
+        self.protection.new_key()
+    }
+
+    /// Writes a frame of the open session with a message that is no answer, and returns it; `None` if there is no room. Call
+    /// [`posted`](Self::posted) when it is on its way.
+    pub fn post<'b>(&self, message: &ToHost<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+        self.seal(self.session()?, message, buffer)
+    }
+
+    /// Notes that the frame of [`post`](Self::post) is on its way.
+    pub fn posted(&mut self) {
+        if let Some(session) = self.session() {
+            self.protection.advance(session);
+        }
+    }
+
+    fn seal<'b>(
+        &self,
+        session: u32,
+        message: &ToHost<'_>,
+        buffer: &'b mut [u8],
+    ) -> Option<&'b [u8]> {
+        let length = frame::write(self.identity.node, session, message, buffer)?;
+        let length = self.protection.close(session, buffer, length)?;
+        buffer.get(..length)
+    }
+
     /// Makes a report due: something has changed that the host should know.
     pub fn announce(&mut self) {
         self.due.report = self.open.is_some();
@@ -253,9 +317,7 @@ impl Receiver {
     /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent).
     pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
         let Identity {
-            node,
-            nonce,
-            capacity,
+            nonce, capacity, ..
         } = self.identity;
         if let Some(id) = self.due.mismatch {
             let (version, schema) = (VERSION, SCHEMA);
@@ -264,7 +326,7 @@ impl Receiver {
                 version,
                 schema,
             };
-            frame::seal_for(node, 0, &message, buffer)
+            self.seal(0, &message, buffer)
         } else if let Some(Peer { id, session }) = self.due.welcome {
             let message = ToHost::Welcome {
                 id,
@@ -272,12 +334,12 @@ impl Receiver {
                 nonce,
                 capacity,
             };
-            frame::seal_for(node, 0, &message, buffer)
+            self.seal(0, &message, buffer)
         } else if let Some(session) = self.due.unknown {
-            frame::seal_for(node, session, &ToHost::Unknown, buffer)
+            self.seal(session, &ToHost::Unknown, buffer)
         } else if let Some(peer) = self.open.filter(|_| self.due.report) {
             let message = ToHost::Report(self.report(status));
-            frame::seal_for(node, peer.session, &message, buffer)
+            self.seal(peer.session, &message, buffer)
         } else {
             None
         }
@@ -289,6 +351,7 @@ impl Receiver {
             && self.due.welcome.take().is_none()
             && self.due.unknown.take().is_none()
         {
+            self.posted();
             self.due.report = false;
             if self.gap == Gap::Seen {
                 self.gap = Gap::Said;

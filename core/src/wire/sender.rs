@@ -6,7 +6,9 @@
 //! [RFC6298](crate#references): the smoothed time plus four times its mean deviation, doubled with each repetition.
 
 use crate::follower::Denial;
+use crate::wire::credentials::Credentials;
 use crate::wire::frame;
+use crate::wire::key::Key;
 use crate::wire::message::{Capacity, Command, Item, Report, SCHEMA, ToDevice, ToHost, VERSION};
 use crate::wire::sequence::wrapped;
 
@@ -150,6 +152,7 @@ pub struct Sender {
     answer: Option<Result<(), Denial>>,
     report: Option<Report>,
     capacity: Option<Capacity>,
+    credentials: Option<Credentials>,
 }
 
 impl Sender {
@@ -178,6 +181,18 @@ impl Sender {
             answer: None,
             report: None,
             capacity: None,
+            credentials: None,
+        }
+    }
+
+    /// Protects all frames by a key that the controller has as well. `nonce` is the upper half of a number of which the
+    /// host's id is the lower one, and which no host with this key has used before.
+    #[must_use]
+    pub fn with_key(self, key: Key, nonce: u32) -> Self {
+        let nonce = u64::from(nonce) << 32 | u64::from(self.id);
+        Self {
+            credentials: Some(Credentials::new(key, nonce)),
+            ..self
         }
     }
 
@@ -185,6 +200,12 @@ impl Sender {
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
+    }
+
+    /// Returns the number of the session that was offered last; 0 if there is none.
+    #[must_use]
+    pub fn session(&self) -> u32 {
+        self.session
     }
 
     /// Returns the number of items that have come.
@@ -253,9 +274,21 @@ impl Sender {
             self.phase = Phase::Failed(Failure::Silent);
             return None;
         }
+        // A controller with a key does not answer frames of a session that it does not know.
+        if self.phase == Phase::Offered
+            && self.credentials.is_some()
+            && now.saturating_sub(heard) > self.options.max_retry
+        {
+            self.phase = Phase::Greeting;
+        }
         let (session, message) = self.message(now, source, scratch)?;
         (self.sent, self.answered) = (Some(now), false);
-        frame::seal_for(self.options.node, session, &message, buffer)
+        let length = frame::write(self.options.node, session, &message, buffer)?;
+        let length = match &mut self.credentials {
+            None => frame::close(buffer, length)?,
+            Some(credentials) => credentials.close(session, buffer, length)?,
+        };
+        buffer.get(..length)
     }
 
     /// Returns the message to send at `now`, and its session.
@@ -338,7 +371,12 @@ impl Sender {
 
     /// Takes a frame that came at `now`, microseconds; returns the message if it is for this host.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], now: u64) -> Option<ToHost<'b>> {
-        let (session, message) = frame::open_for(self.options.node, bytes)?;
+        let session = frame::session(self.options.node, bytes)?;
+        let covered = match &mut self.credentials {
+            None => frame::checked(bytes)?,
+            Some(credentials) => credentials.take(session, bytes)?,
+        };
+        let message = frame::message(covered)?;
         match message {
             ToHost::Mismatch {
                 id,
@@ -352,11 +390,14 @@ impl Sender {
             ToHost::Welcome {
                 id,
                 session: offer,
+                nonce,
                 capacity,
-                ..
             } => {
                 let mine = session == 0 && id == self.id && self.phase == Phase::Greeting;
                 mine.then_some(())?;
+                if let Some(credentials) = &mut self.credentials {
+                    credentials.welcome(nonce, offer);
+                }
                 (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
                 self.capacity = Some(capacity);
                 if let Some(greeted) = self.greeted.filter(|_| self.trips.repeated == 0) {

@@ -6,6 +6,7 @@ mod conjugate_gradients;
 mod follower;
 mod holds;
 mod hole;
+mod key;
 mod motions;
 mod nonsense;
 mod normal_equations;

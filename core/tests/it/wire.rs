@@ -155,7 +155,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             item,
         })
     };
-    let (version, schema, id) = (2, 0x1234_5678, 5);
+    let (version, schema, id) = (3, 0x1234_5678, 5);
     let report = Report {
         next: 300,
         limit: 316,
@@ -191,7 +191,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 schema,
                 id,
             }),
-            "Hello: version 2, schema 12345678, id 5",
+            "Hello: version 3, schema 12345678, id 5",
         ),
         (
             item(Item::Sheet(head)),
@@ -226,12 +226,16 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (bytes(ToDevice::Alive), "Alive"),
         (
+            bytes(ToDevice::Pair(&[7; 16])),
+            "Pair: 16 bytes, all of them 7",
+        ),
+        (
             bytes(ToHost::Mismatch {
                 id,
                 version,
                 schema,
             }),
-            "Mismatch: id 5, version 2, schema 12345678",
+            "Mismatch: id 5, version 3, schema 12345678",
         ),
         (
             bytes(ToHost::Welcome {
@@ -338,7 +342,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
 
 /// Returns the lines of the protocol's block of hexadecimal numbers number `block`, counted from behind the block of
 /// the file.
-fn documented(block: usize) -> Vec<&'static str> {
+pub(crate) fn documented(block: usize) -> Vec<&'static str> {
     let text = include_str!("../../../firmware-sim/PROTOCOL.md");
     let blocks = text.split("```hex\n").skip(2 + block);
     let block = blocks
@@ -347,7 +351,7 @@ fn documented(block: usize) -> Vec<&'static str> {
     block.unwrap_or_default().lines().collect()
 }
 
-fn hex(bytes: &[u8]) -> String {
+pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
 }
 

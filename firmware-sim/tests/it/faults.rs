@@ -17,7 +17,7 @@ use crate::world::{Host, World, rng};
 const SEEDS: u64 = 100;
 
 /// A serial line of 1 Mbaud behind an adapter.
-const LINE: Faults = Faults {
+pub(crate) const LINE: Faults = Faults {
     drop: 0.0,
     flip: 0.0,
     double: 0.0,
@@ -27,7 +27,7 @@ const LINE: Faults = Faults {
     speed: 1e5,
     capacity: usize::MAX,
 };
-const NOISY: Faults = Faults {
+pub(crate) const NOISY: Faults = Faults {
     drop: 0.1,
     flip: 0.1,
     double: 0.1,

@@ -10,12 +10,14 @@ use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::Report;
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::wire::sender::Options;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
 use foldpath_firmware_sim::application::{Application, Board};
-use foldpath_firmware_sim::controller::Condition;
+use foldpath_firmware_sim::controller::{Condition, Settings};
 use foldpath_firmware_sim::retained;
 use foldpath_test_support::Random;
 use rand_core::Rng;
@@ -107,6 +109,8 @@ pub(crate) struct Bench {
     pub(crate) limp: bool,
     /// Returns the measured angle of a hinge from its number, its command, and the angle at which it stands.
     pub(crate) sensor: Option<Sensor>,
+    /// The key that was stored. Neither a reset nor a loss of power changes it.
+    pub(crate) key: Option<Key>,
 }
 
 pub(crate) type Sensor = fn(u32, Option<f32>, f32) -> f32;
@@ -160,6 +164,17 @@ impl Board for Shared {
         bytes.copy_from_slice(&record[at..at + bytes.len()]);
     }
 
+    fn key(&mut self) -> Option<Key> {
+        self.0.borrow().key
+    }
+
+    fn store_key(&mut self, key: &Key) {
+        let mut bench = self.0.borrow_mut();
+        assert_eq!(bench.key.replace(*key), None);
+        // No answer that tells of the key has left before.
+        assert!(bench.sent.is_empty());
+    }
+
     fn feed(&mut self) {
         self.0.borrow_mut().ticks += 1;
     }
@@ -204,25 +219,39 @@ impl Write for Shared {
 }
 
 /// A board with a controller of at most `G` groups.
-pub(crate) struct Machine<const G: usize> {
+pub(crate) struct Machine<const G: usize, P = Unkeyed> {
     pub(crate) bench: Shared,
-    pub(crate) controller: Box<Application<Shared, Shared, G, 282, 16, 16>>,
+    pub(crate) controller: Box<Application<Shared, Shared, G, 282, 16, 16, P>>,
     /// Bytes that hosts have sent.
     pub(crate) recorded: Vec<(u64, Vec<u8>)>,
     pub(crate) nonce: u64,
+    /// `true` if the line may set a key.
+    pub(crate) pairs: bool,
 }
 
 impl<const G: usize> Machine<G> {
     /// Switches a board on whose memory holds nothing.
     pub(crate) fn new(nonce: u64) -> Self {
+        Self::with_line(nonce, false)
+    }
+}
+
+impl<const G: usize, P: Protection> Machine<G, P> {
+    /// Switches a board on whose memory holds nothing, and whose line may set a key or not.
+    pub(crate) fn with_line(nonce: u64, pairs: bool) -> Self {
         let bench = Shared::default();
         bench.0.borrow_mut().now = 1_000_000;
-        let controller = Application::new(bench.clone(), bench.clone(), settings(nonce));
+        let settings = Settings {
+            pairs,
+            ..settings(nonce)
+        };
+        let controller = Application::new(bench.clone(), bench.clone(), settings);
         Self {
             controller: Box::new(controller),
             bench,
             recorded: Vec::new(),
             nonce,
+            pairs,
         }
     }
 
@@ -246,7 +275,11 @@ impl<const G: usize> Machine<G> {
             (bench.received, bench.sent) = (VecDeque::new(), Vec::new());
             bench.commands.clear();
         }
-        *self.controller = Application::new(bench.clone(), bench.clone(), settings(nonce));
+        let settings = Settings {
+            pairs: self.pairs,
+            ..settings(nonce)
+        };
+        *self.controller = Application::new(bench.clone(), bench.clone(), settings);
     }
 
     pub(crate) fn bench<R>(&self, with: impl FnOnce(&mut Bench) -> R) -> R {

@@ -2,6 +2,7 @@
 
 mod faults;
 mod fuzz;
+mod links;
 mod loading;
 mod machine;
 mod path;

@@ -5,6 +5,7 @@ use core::f64::consts::{PI, SQRT_2};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_test_support::Random;
@@ -43,8 +44,7 @@ pub(crate) fn settings(nonce: u64) -> Settings {
 
 /// Returns a controller that is told that both groups stand at 0, where the path begins.
 #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer begins elsewhere"))]
-pub(crate) fn flat(settings: Settings) -> Device {
-    let mut device = Device::new(settings);
+pub(crate) fn flat<P: Protection>(mut device: Device<P>) -> Device<P> {
     let place = FollowerPosition::default();
     device
         .follower_mut()
@@ -54,7 +54,7 @@ pub(crate) fn flat(settings: Settings) -> Device {
 }
 
 /// A controller with room for this path.
-pub(crate) type Device = Controller<4, 64, 32, 16>;
+pub(crate) type Device<P = Unkeyed> = Controller<4, 64, 32, 16, P>;
 
 /// Returns a random whole number from 0 to `count - 1`.
 pub(crate) fn below(rng: &mut Random, count: u64) -> u64 {

@@ -157,6 +157,7 @@ fn a_sheet_with_vertices_needs_its_spokes() {
         bench,
         recorded: Vec::new(),
         nonce: 1,
+        pairs: false,
     };
     let mut host = path.driver(Persistence::None, 7).confirming();
     machine.run(Some(&mut host), 300);

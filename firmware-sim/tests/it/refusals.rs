@@ -29,7 +29,7 @@ pub(crate) struct Talk {
 impl Talk {
     pub(crate) fn new() -> Self {
         let mut talk = Self {
-            device: flat(settings(1)),
+            device: flat(Device::new(settings(1))),
             deframer: Deframer::default(),
             now: 1000,
             session: 0,

@@ -4,6 +4,7 @@ use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::message::ToHost;
+use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 use foldpath_core::{GroupId, Spoke, StarsView};
 use foldpath_firmware_sim::faults::{Faults, Line};
@@ -88,12 +89,12 @@ impl<'a> Host<'a> {
 }
 
 /// Hosts, both directions of the line and a controller, which run together in virtual time.
-pub(crate) struct World<'a> {
+pub(crate) struct World<'a, P = Unkeyed> {
     pub(crate) now: u64,
     pub(crate) hosts: Vec<Host<'a>>,
     pub(crate) up: Line<Random>,
     pub(crate) down: Line<Random>,
-    pub(crate) device: Device,
+    pub(crate) device: Device<P>,
     /// `true` while the line takes the device's bytes.
     pub(crate) drains: bool,
     pub(crate) path: &'a Path,
@@ -107,6 +108,8 @@ pub(crate) struct World<'a> {
     pub(crate) torn: f64,
     /// Reasons that held the motion until somebody asked to resume, or ended it.
     pub(crate) held: Vec<Reason>,
+    /// Frames of the hosts as they go on the line, while somebody listens.
+    pub(crate) tap: Option<Vec<Vec<u8>>>,
     outgoing: Vec<u8>,
     before: Option<[f32; 2]>,
     rates: [f32; 2],
@@ -114,12 +117,26 @@ pub(crate) struct World<'a> {
 
 impl<'a> World<'a> {
     pub(crate) fn new(path: &'a Path, faults: Faults, seed: u64) -> Self {
+        let host = Host::new(path, 1000 + u32::try_from(seed).unwrap() * 7);
+        Self::of(path, faults, seed, host, Device::new(settings(seed)))
+    }
+}
+
+impl<'a, P: Protection> World<'a, P> {
+    /// Creates a world of this host and this controller, whose sheet is flat.
+    pub(crate) fn of(
+        path: &'a Path,
+        faults: Faults,
+        seed: u64,
+        host: Host<'a>,
+        device: Device<P>,
+    ) -> Self {
         Self {
             now: 0,
-            hosts: vec![Host::new(path, 1000 + u32::try_from(seed).unwrap() * 7)],
+            hosts: vec![host],
             up: Line::new(faults, rng(2 * seed)),
             down: Line::new(faults, rng(2 * seed + 1)),
-            device: flat(settings(seed)),
+            device: flat(device),
             drains: true,
             path,
             max_closure: 0.0,
@@ -128,6 +145,7 @@ impl<'a> World<'a> {
             farthest: 0.0,
             torn: 0.0,
             held: Vec::new(),
+            tap: None,
             outgoing: Vec::new(),
             before: None,
             rates: [0.0; 2],
@@ -151,6 +169,9 @@ impl<'a> World<'a> {
                     break;
                 };
                 self.up.write(&bytes, self.now);
+                if let Some(tap) = &mut self.tap {
+                    tap.push(bytes);
+                }
             }
         }
         while let Some(byte) = self.down.read(self.now) {

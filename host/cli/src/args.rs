@@ -92,6 +92,14 @@ pub(crate) enum Command {
     /// Exit status: 0 if the sheet is at the end of the path; 1 if the motion was held, stopped or refused, if a hinge
     /// stalled, or if there is no controller that understands; 2 for bad input or usage.
     Stream(Box<Stream>),
+    /// Give a controller a key, over a line that no stranger reaches
+    ///
+    /// From then on the controller takes only what `foldpath stream --key FILE` sends with the same key; a controller never
+    /// takes another key over its line. The key goes over the line as it is. A file that does not exist is made, with a
+    /// random key, and only its owner can read it.
+    ///
+    /// Exit status: 0 if the controller has the key; 1 if it takes none or does not answer; 2 for bad input or usage.
+    Pair(Pair),
     /// Print the completion script of a shell
     Completions(Completions),
     /// Print the manual page, or write the manual pages of all commands
@@ -917,8 +925,36 @@ pub(crate) struct Stream {
     /// Speed of a serial line, baud
     #[arg(long, default_value_t = 115_200)]
     pub(crate) baud: u32,
+    /// File of the key that the controller has as well, as `foldpath pair` writes it
+    ///
+    /// Every frame then has a tag that only owners of the key can make, and a counter, so that nobody else can move the
+    /// sheet, with frames that were recorded either. sim and qemu start a controller that has the key.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
+    /// With tcp: send without a key, so that anybody on the network may move the sheet
+    #[arg(long, conflicts_with = "key")]
+    pub(crate) insecure: bool,
     #[command(flatten)]
     pub(crate) report: Report,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  foldpath pair --to sim --key lab.key
+  foldpath pair --to serial:/dev/ttyUSB0 --key lab.key")]
+pub(crate) struct Pair {
+    /// Controller: sim or serial:DEVICE
+    ///
+    /// sim is a controller in this process, which is gone at its end: a rehearsal.
+    #[arg(long, value_name = "CONTROLLER")]
+    pub(crate) to: Target,
+    /// File of the key: 32 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: PathBuf,
+    /// Speed of a serial line, baud
+    #[arg(long, default_value_t = 115_200)]
+    pub(crate) baud: u32,
 }
 
 /// Controller to which a path is sent.

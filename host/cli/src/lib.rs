@@ -17,8 +17,10 @@ mod generate;
 mod hints;
 mod info;
 mod jobs;
+mod key;
 mod outlook;
 mod output;
+mod pair;
 mod plan;
 mod plot;
 mod png;
@@ -107,6 +109,7 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Export(args) => export::run(&args, quiet),
         args::Command::Batch(args) => batch::run(&args, quiet, program),
         args::Command::Stream(args) => stream::run(&args, quiet),
+        args::Command::Pair(args) => pair::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),
     }

@@ -272,12 +272,13 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             let inputs = [("PATH", args.path.as_path())].into_iter();
             let inputs = inputs
                 .chain(some("--script", &args.script))
-                .chain(some("--sheet", &args.sheet));
+                .chain(some("--sheet", &args.sheet))
+                .chain(some("--key", &args.key));
             (
                 inputs.collect(),
                 some("--log", &args.log).into_iter().collect(),
             )
         }
-        Command::Completions(_) | Command::Man(_) => (vec![], vec![]),
+        Command::Pair(_) | Command::Completions(_) | Command::Man(_) => (vec![], vec![]),
     }
 }

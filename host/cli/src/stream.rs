@@ -3,13 +3,15 @@
 use core::sync::atomic::{AtomicU8, Ordering};
 use std::io::{self, Write};
 use std::sync::Arc;
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use foldpath_core::follower::State;
+use foldpath_core::wire::key::Key;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::args::{At, Drives, LineFaults, Stream, Target};
+use crate::key;
 use crate::link::{Emulator, Wire, default_image};
 use crate::output::write_whole_with;
 use crate::progress::{self, PACE, PATIENCE};
@@ -51,6 +53,16 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
+    let key = args.key.as_deref().map(key::read).transpose()?;
+    if matches!(args.to, Target::Tcp(_)) && key.is_none() && !args.insecure {
+        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
+                    sheet";
+        return Err(CliError::Usage(what.into()));
+    }
+    let host = Host {
+        key,
+        ..Host::default()
+    };
     let bars = progress::shown(&args.report, quiet);
     let mut rigidity = None;
     let summary = match &args.to {
@@ -60,7 +72,10 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             } else {
                 Sim::new()
             };
-            let summary = session(&mut sim, args, &path, 1, bars)?;
+            if let Some(key) = key {
+                sim = sim.with_key(key);
+            }
+            let summary = session(&mut sim, args, &path, Host { id: 1, ..host }, bars)?;
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
@@ -73,20 +88,19 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
                         format!("--image: expected the file of an image, found none at {image}");
                     return Err(CliError::Usage(text));
                 }
-                None => {
-                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
-                }
+                None => default_image(key.is_some())
+                    .map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?,
             };
             let name = format!("qemu-system-arm with {}", image.display());
-            connected(&name, Emulator::start(&image), args, &path, bars)?
+            connected(&name, Emulator::start(&image, key), args, &path, host, bars)?
         }
         Target::Serial(device) => {
             let link = Wire::open(device, args.baud);
-            connected(&format!("serial:{device}"), link, args, &path, bars)?
+            connected(&format!("serial:{device}"), link, args, &path, host, bars)?
         }
         Target::Tcp(address) => {
             let link = Wire::connect(address);
-            connected(&format!("tcp:{address}"), link, args, &path, bars)?
+            connected(&format!("tcp:{address}"), link, args, &path, host, bars)?
         }
     };
     report(args, &path, &summary, rigidity, quiet)?;
@@ -116,10 +130,11 @@ fn connected(
     link: io::Result<impl Link>,
     args: &Stream,
     path: &StreamPath,
+    host: Host,
     shown: bool,
 ) -> Result<Summary, CliError> {
     match link {
-        Ok(link) => session(link, args, path, id(), shown),
+        Ok(link) => session(link, args, path, host, shown),
         Err(error) => Ok(Summary {
             outcome: Outcome::NoDevice,
             reason: Some(format!("{name}: {error}")),
@@ -133,11 +148,23 @@ fn connected(
     }
 }
 
-/// Returns a session number that other sessions are unlikely to have had.
-fn id() -> u32 {
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    let [a, b, c, d, ..] = now.map_or(0, |now| now.as_micros()).to_le_bytes();
-    u32::from_le_bytes([a, b, c, d]) ^ std::process::id().rotate_left(16)
+/// The host of a session: numbers that other sessions are unlikely to have had, and the key.
+#[derive(Clone, Copy)]
+struct Host {
+    id: u32,
+    nonce: u32,
+    key: Option<Key>,
+}
+
+impl Default for Host {
+    fn default() -> Self {
+        let [a, b, c, d, upper @ ..] = key::nonce().to_le_bytes();
+        Self {
+            id: u32::from_le_bytes([a, b, c, d]),
+            nonce: u32::from_le_bytes(upper),
+            key: None,
+        }
+    }
 }
 
 /// Runs a session with the faults and the log that were asked for.
@@ -145,14 +172,18 @@ fn session(
     mut link: impl Link,
     args: &Stream,
     path: &StreamPath,
-    id: u32,
+    host: Host,
     shown: bool,
 ) -> Result<Summary, CliError> {
     match args.faults {
-        None => logged(&mut link, args, path, id, shown),
-        Some(LineFaults { faults, seed }) => {
-            logged(&mut Faulty::new(link, faults, seed), args, path, id, shown)
-        }
+        None => logged(&mut link, args, path, host, shown),
+        Some(LineFaults { faults, seed }) => logged(
+            &mut Faulty::new(link, faults, seed),
+            args,
+            path,
+            host,
+            shown,
+        ),
     }
 }
 
@@ -160,7 +191,7 @@ fn logged(
     link: &mut impl Link,
     args: &Stream,
     path: &StreamPath,
-    id: u32,
+    host: Host,
     shown: bool,
 ) -> Result<Summary, CliError> {
     let pressed = Arc::new(AtomicU8::new(0));
@@ -174,7 +205,9 @@ fn logged(
     let options = Options {
         resume: args.resume,
         at_start: emulated || args.at == Some(At::Start),
-        id,
+        id: host.id,
+        key: host.key,
+        nonce: host.nonce,
     };
     let mut follow = |log: &mut dyn Write| {
         let mut watch = Watch {

@@ -4,10 +4,12 @@
 //! - [`Link`]: bytes to a controller and back. [`Sim`] is a controller in this process in virtual time, which may drive
 //!   a [`Plant`]; [`Faulty`] adds faults to any link. Links over TCP, serial devices and QEMU are in the command's
 //!   package.
+//! - [`pair`]: gives a controller a [`Key`](foldpath_core::wire::key::Key) over a local line.
 //! - [`run`]: a session from the greeting to its [`Outcome`], over [`foldpath_core::wire::driver`].
 
 mod faulty;
 mod link;
+mod pair;
 mod path;
 mod plant;
 mod script;
@@ -17,6 +19,7 @@ mod words;
 
 pub use faulty::Faulty;
 pub use link::Link;
+pub use pair::{Pairing, pair};
 pub use path::StreamPath;
 pub use plant::Plant;
 pub use script::{parse_script, read_script};

@@ -5,6 +5,7 @@ use std::io;
 use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::sender::{self, Phase};
 
@@ -26,6 +27,10 @@ pub struct Options {
     pub at_start: bool,
     /// Number of the session, different from that of any session with this controller before.
     pub id: u32,
+    /// Key that the controller has as well. Without it, a controller that has a key answers nothing.
+    pub key: Option<Key>,
+    /// With a key: upper half of a number of which `id` is the lower half, and which no session with this key has had.
+    pub nonce: u32,
 }
 
 /// Commanded state at a moment, as the controller reported it.
@@ -139,6 +144,9 @@ pub fn run(
     let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
     if options.at_start {
         driver = driver.confirming();
+    }
+    if let Some(key) = options.key {
+        driver = driver.with_key(key, options.nonce);
     }
     let mut session = Session {
         driver,
@@ -273,7 +281,8 @@ impl Session<'_> {
     /// Returns the outcome and its reason, if the session has ended.
     fn end(&mut self, now: u64) -> Option<(Outcome, Option<String>)> {
         if let Phase::Failed(failure) = self.driver.sender().phase() {
-            return Some((Outcome::NoDevice, Some(words::failure(failure))));
+            let met = self.driver.sender().capacity().is_some();
+            return Some((Outcome::NoDevice, Some(words::failure(failure, met))));
         }
         if let Some(drawn) = self.quit {
             let report = self.driver.sender().report();

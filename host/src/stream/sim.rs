@@ -4,6 +4,8 @@ use std::io;
 
 use foldpath_core::GroupLimits;
 use foldpath_core::follower::State;
+use foldpath_core::wire::key::Key;
+use foldpath_core::wire::protection::Keyed;
 use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
 use rand_pcg::Pcg64;
@@ -12,7 +14,7 @@ use super::{Link, Plant};
 
 /// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
 /// vertices of degree 4, and for 64 setpoints.
-type Device = Controller<256, 16_384, 4096, 64>;
+type Device = Controller<256, 16_384, 4096, 64, Keyed>;
 
 /// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
 const LIMITS: GroupLimits = GroupLimits {
@@ -41,9 +43,14 @@ pub struct Sim {
 }
 
 impl Sim {
-    /// Starts a controller without a plant.
+    /// Starts a controller without a plant and without a key. It takes a key.
     #[must_use]
     pub fn new() -> Self {
+        Self::keyed(None)
+    }
+
+    /// Starts a controller without a plant that has this key, if there is one.
+    fn keyed(key: Option<Key>) -> Self {
         let line = || {
             let faults = Faults {
                 delay: 1000,
@@ -54,11 +61,16 @@ impl Sim {
         };
         Self {
             now: 0,
-            device: Box::new(Device::new(Settings {
-                // Any sheet hangs on simulated hinges.
-                closed: false,
-                ..Settings::new(1, |_| LIMITS)
-            })),
+            device: Box::new(Device::keyed(
+                Settings {
+                    // Any sheet hangs on simulated hinges.
+                    closed: false,
+                    // The line stays in this process.
+                    pairs: true,
+                    ..Settings::new(1, |_| LIMITS)
+                },
+                key,
+            )),
             up: line(),
             down: line(),
             outgoing: Vec::new(),
@@ -72,6 +84,15 @@ impl Sim {
         Self {
             plant: Some(plant),
             ..Self::new()
+        }
+    }
+
+    /// Starts the controller anew with a key.
+    #[must_use]
+    pub fn with_key(self, key: Key) -> Self {
+        Self {
+            plant: self.plant,
+            ..Self::keyed(Some(key))
         }
     }
 

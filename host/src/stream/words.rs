@@ -96,8 +96,8 @@ pub(super) fn refusal(refusal: ItemRefusal, knot: u64, room: Option<Capacity>) -
     }
 }
 
-/// Explains why there is no session.
-pub(super) fn failure(failure: Failure) -> String {
+/// Explains why there is no session with a controller that has answered before if it was `met`.
+pub(super) fn failure(failure: Failure, met: bool) -> String {
     match failure {
         Failure::Version { version, schema } => format!(
             "the controller speaks version {version} ({schema:08x}) of the protocol, \
@@ -106,6 +106,9 @@ pub(super) fn failure(failure: Failure) -> String {
         Failure::Lost => "the session is lost: the controller was reset, or another host came; \
                           --resume goes on from where the sheet stands"
             .into(),
-        Failure::Silent => "the controller is silent".into(),
+        Failure::Silent if met => "the controller is silent".into(),
+        Failure::Silent => "no controller answers; one with a key answers only to --key FILE with the same key, and one \
+                            without a key only without --key"
+            .into(),
     }
 }

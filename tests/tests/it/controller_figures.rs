@@ -26,6 +26,12 @@ fn the_image_is_small() {
     println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
     assert!((1..=40 * 1024).contains(&flash));
     assert!((1..=8 * 1024).contains(&ram));
+    let bytes = fs::read(image("foldpath-controller-keyed")).unwrap();
+    let keyed = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
+    let keyed_ram = size(&bytes, &[".data", ".bss", ".uninit"]);
+    println!("| flash with a key | {keyed} bytes |\n| RAM with a key | {keyed_ram} bytes |");
+    assert!((flash..=flash + 4096).contains(&keyed));
+    assert!((ram..=ram + 256).contains(&keyed_ram));
 }
 
 /// A tick of 1,104 hinges is finished before the next tick is due.
@@ -47,7 +53,12 @@ fn work_is_done_in_time() {
     assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
     assert!(all <= PACE / 1000);
     assert!((100..=600).contains(&cost("record-of-2-groups")));
-    let frames = PACE / cost("setpoint-from-its-frame-to-the-answer");
+    assert!((400..=1000).contains(&cost("tag-of-40-bytes")));
+    assert!((2000..=4000).contains(&cost("tag-of-256-bytes")));
+    let plain = cost("setpoint-from-its-frame-to-the-answer");
+    let keyed = cost("setpoint-with-a-key-from-its-frame-to-the-answer");
+    assert!((plain..=plain * 5 / 4).contains(&keyed));
+    let frames = PACE / plain;
     println!("| setpoints received, checked and answered at 25 MHz | {frames} a second |");
     assert!(frames >= 2000);
 }

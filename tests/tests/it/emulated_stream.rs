@@ -12,6 +12,7 @@ use foldpath::stream::{Faulty, Link, Options, Outcome, StreamPath, Summary, Tele
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::wire::key::Key;
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_tests::Planned;
 
@@ -42,6 +43,7 @@ fn session(
         resume,
         at_start: id == 1,
         id,
+        ..Options::default()
     };
     let (summary, heard) = session::session(link, &path, options, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
@@ -88,7 +90,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
         double: 0.05,
         ..Faults::default()
     };
-    let mut board = Faulty::new(Emulator::start(&image).unwrap(), faults, 7);
+    let mut board = Faulty::new(Emulator::start(&image, None).unwrap(), faults, 7);
     assert_eq!(emulators().len(), 1);
     let stop = |heard: &[Telemetry]| {
         if heard.len() < 50 {
@@ -112,7 +114,24 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     drop(board);
     assert!(emulators().is_empty());
 
-    let mut board = Emulator::start(&image).unwrap();
+    // A board with a key follows the owner of the key alone.
+    let key = Key::new(core::array::from_fn(|byte| u8::try_from(byte).unwrap()));
+    let with_key = image.with_file_name("foldpath-controller-keyed");
+    let mut board = Emulator::start(&with_key, Some(key)).unwrap();
+    for (id, key, outcome) in [(5, None, Outcome::NoDevice), (6, Some(key), Outcome::Done)] {
+        let path = StreamPath::read(&bytes, Path::new("path.traj")).unwrap();
+        let options = Options {
+            at_start: true,
+            id,
+            key,
+            ..Options::default()
+        };
+        let (summary, _) = session::session(&mut board, &path, options, &|_| Wish::Run);
+        assert_eq!(summary.outcome, outcome, "{summary:?}");
+    }
+    drop(board);
+
+    let mut board = Emulator::start(&image, None).unwrap();
     let quit = |heard: &[Telemetry]| {
         if heard.len() < 50 {
             Wish::Run
@@ -143,7 +162,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other");
     fs::write(&other, [0; 64]).unwrap();
-    let answer = Emulator::start(&other);
+    let answer = Emulator::start(&other, None);
     let silent = answer.map(|mut board| session(&mut board, &bytes, (4, false), &|_| Wish::Run).0);
     assert!(silent.is_err() || silent.is_ok_and(|s| s.outcome == Outcome::NoDevice));
     assert!(emulators().is_empty());

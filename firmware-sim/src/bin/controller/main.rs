@@ -6,6 +6,8 @@
 #[cfg(target_os = "none")]
 mod mps2;
 
+#[cfg(target_os = "none")]
+use foldpath_core::wire::protection::Unkeyed as Protection;
 #[cfg(not(target_os = "none"))]
 fn main() {
     println!(

@@ -17,6 +17,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_core::wire::key::Key;
 use foldpath_core::{GroupLimits, Membership};
 use foldpath_firmware_sim::application::{Application, Board};
 use foldpath_firmware_sim::controller::{Condition, Settings};
@@ -28,10 +29,14 @@ use foldpath_firmware_sim::retained;
 const GROUPS: usize = 2;
 
 /// Room for two groups and the hinges of a Miura fold of 24 x 24 faces.
-type Controller = Application<Mps2, Line, GROUPS, 1104, 16, 16>;
+type Controller = Application<Mps2, Line, GROUPS, 1104, 16, 16, crate::Protection>;
 
 /// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
 const NONCE: usize = 0x2030_0000;
+
+/// Address of the four words of the key, for the image that has room for one: memory that stands for the flash of a real
+/// board. Four zeros stand for no key.
+const KEY: usize = 0x2030_0008;
 
 /// Limits of every hinge: half a turn each way, at the speed of the drives.
 const LIMITS: GroupLimits = GroupLimits {
@@ -244,6 +249,22 @@ impl Board for Mps2 {
         }
     }
 
+    fn key(&mut self) -> Option<Key> {
+        let mut key = [0; Key::SIZE];
+        let (words, _) = key.as_chunks_mut::<4>();
+        for (address, word) in (KEY..).step_by(4).zip(words) {
+            *word = read(address).to_le_bytes();
+        }
+        (key != [0; Key::SIZE]).then_some(Key::new(key))
+    }
+
+    fn store_key(&mut self, key: &Key) {
+        let (words, _) = key.bytes().as_chunks::<4>();
+        for (address, word) in (KEY..).step_by(4).zip(words) {
+            write(address, u32::from_le_bytes(*word));
+        }
+    }
+
     fn feed(&mut self) {
         write(WATCHDOG + 0xc, 1);
     }
@@ -289,6 +310,8 @@ fn main() -> ! {
     let settings = Settings {
         // The emulated hinges hang on any sheet.
         closed: false,
+        // Whoever reaches the sockets of the emulator could read its memory as well.
+        pairs: true,
         ..Settings::new(nonce, |_| LIMITS)
     };
     *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, settings));

@@ -199,6 +199,7 @@ impl Execution<'_> {
                 let drawn = self.one_in(2);
                 self.subject.stop(drawn);
             }
+            20 if self.one_in(8) => self.say(&ToDevice::Pair(&[7; 16])),
             20 => self.say(&ToDevice::Alive),
             21 => self.subject.deaf = self.one_in(2),
             22 if self.one_in(4) => self.hello(VERSION, SCHEMA),

@@ -116,6 +116,8 @@ fn message(mut body: &[u8]) -> Option<(u32, Message)> {
             (0, Message::Command(number, varint(rest)?))
         }
         3 if rest.is_empty() => (0, Message::Alive),
+        // A key, for which this controller has no room.
+        4 => (0, Message::Piece),
         _ => return None,
     })
 }

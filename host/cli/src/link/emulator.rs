@@ -10,13 +10,16 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use foldpath::stream::Link;
+use foldpath_core::wire::key::Key;
 
 use super::Wire;
+use crate::key::nonce;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
-const NAME: &str = "foldpath-controller";
-/// Arguments of the cargo command that builds the image.
-const BUILD: [&str; 10] = [
+/// Names of the images without and with room for a key.
+const NAMES: [&str; 2] = ["foldpath-controller", "foldpath-controller-keyed"];
+/// Arguments of the cargo command that builds an image, before its name.
+const BUILD: [&str; 9] = [
     "build",
     "--locked",
     "--profile",
@@ -26,7 +29,6 @@ const BUILD: [&str; 10] = [
     "-p",
     "foldpath-firmware-sim",
     "--bin",
-    NAME,
 ];
 /// Environment variables with settings for the host that must not affect the build for the board.
 const FOR_THE_HOST: [&str; 4] = [
@@ -38,13 +40,15 @@ const FOR_THE_HOST: [&str; 4] = [
 /// Longest time that the emulator may take to open its lines.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Returns the controller's image of this workspace, and builds the image if it is missing. Cargo prints its progress
-/// on stderr.
+/// Returns the controller's image of this workspace, with room for a key if it is to be `keyed`, and builds the image if
+/// it is missing. Cargo prints its progress on stderr.
 ///
 /// # Errors
 /// If the image cannot be built. Outside the workspace, the text names the command that builds it.
-pub fn default_image() -> Result<PathBuf, String> {
-    let command = format!("cargo {}", BUILD.join(" "));
+pub fn default_image(keyed: bool) -> Result<PathBuf, String> {
+    let [unkeyed, with_key] = NAMES;
+    let name = if keyed { with_key } else { unkeyed };
+    let command = format!("cargo {} {name}", BUILD.join(" "));
     let here = env::current_dir().map_err(|error| error.to_string())?;
     let root = here
         .ancestors()
@@ -56,13 +60,13 @@ pub fn default_image() -> Result<PathBuf, String> {
         })?;
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let target = std::path::absolute(target).map_err(|error| error.to_string())?;
-    let image = |folder: &Path| folder.join(TARGET).join("firmware").join(NAME);
+    let image = |folder: &Path| folder.join(TARGET).join("firmware").join(name);
     let places = [image(&target), image(&target.join("fw"))];
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(BUILD).arg("--target-dir").arg(&target);
+    cargo.args(BUILD).arg(name).arg("--target-dir").arg(&target);
     cargo
         .current_dir(root)
         .stdin(Stdio::null())
@@ -88,11 +92,12 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts `qemu-system-arm` with the image. The first serial line carries messages, the second is the stop line.
+    /// Starts `qemu-system-arm` with the image. The first serial line carries messages, the second is the stop line. A key is
+    /// put where an image with room for one expects it.
     ///
     /// # Errors
     /// If there is no QEMU or no image, or the emulator ends at once.
-    pub fn start(image: &Path) -> io::Result<Self> {
+    pub fn start(image: &Path, key: Option<Key>) -> io::Result<Self> {
         // An image that cannot be read fails here, because QEMU would say only that it cannot load the image.
         std::fs::File::open(image)?;
         let listeners = [listen()?, listen()?];
@@ -105,11 +110,14 @@ impl Emulator {
             command.arg(format!("socket,id=line{number},host=127.0.0.1,port={port}"));
             command.args(["-serial", &format!("chardev:line{number}")]);
         }
-        // The board's random number, at the address where it expects one.
-        let nonce = nonce();
-        command
-            .arg("-device")
-            .arg(format!("loader,addr=0x20300000,data={nonce:#x},data-len=8"));
+        // The board's random number and its key, at the addresses where it expects them.
+        let bytes = key.map_or([0; Key::SIZE], |key| *key.bytes());
+        let key = u128::from_le_bytes(bytes);
+        let words = [nonce(), low(key), low(key >> 64)];
+        for (address, word) in (0x2030_0000_u32..).step_by(8).zip(words) {
+            let word = format!("loader,addr={address:#x},data={word:#x},data-len=8");
+            command.arg("-device").arg(word);
+        }
         command.args(["-semihosting-config", "enable=on,target=native"]);
         command.arg("-kernel").arg(image);
         command.stdin(Stdio::null()).stdout(Stdio::null());
@@ -130,12 +138,10 @@ impl Emulator {
     }
 }
 
-/// Returns a number that other runs are unlikely to have had.
-fn nonce() -> u64 {
-    use core::hash::{BuildHasher, Hasher};
-    // The standard library keys its hashes at random.
-    let hasher = std::collections::hash_map::RandomState::new().build_hasher();
-    hasher.finish()
+/// Returns the lowest 64 bits.
+fn low(number: u128) -> u64 {
+    let [bytes @ .., _, _, _, _, _, _, _, _] = number.to_le_bytes();
+    u64::from_le_bytes(bytes)
 }
 
 fn listen() -> io::Result<TcpListener> {

@@ -124,6 +124,16 @@ fn usage() {
         stream path.traj --to sim --sheet path.fold --log path.fold
         stream path.traj --to sim --script events.txt --log events.txt
         stream path.traj --to usb
+        stream path.traj --to tcp:1
+        stream path.traj --to tcp:1 --insecure --key lab.key
+        stream path.traj --to sim --key nowhere.key
+        stream path.traj --to sim --key events.txt
+        stream - --to sim --key -
+        pair --to tcp:1 --key lab.key
+        pair --to qemu --key lab.key
+        pair --to sim --key -
+        pair --to sim --key events.txt
+        pair --to sim --key nowhere/lab.key
         stream path.traj --to tcp:localhost
         stream path.traj --to tcp:99999
         stream path.traj --to tcp:0

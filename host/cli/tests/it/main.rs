@@ -13,6 +13,7 @@ mod export;
 mod help;
 mod hostile;
 mod jobs;
+mod keys;
 mod odd_files;
 mod options;
 mod outlook;

@@ -187,7 +187,7 @@ fn every_answer_fits_its_schema() {
             "stream path.traj --to sim --sheet path.fold",
             0,
         ),
-        ("stream.json", "stream path.traj --to tcp:1", 1),
+        ("stream.json", "stream path.traj --to tcp:1 --insecure", 1),
         ("error.json", "plan nowhere.fold", 2),
         ("error.json", "check path.fold --bound 0", 2),
         ("error.json", "info", 2),

@@ -1,0 +1,172 @@
+//! Keys of an authenticated link: SipHash-2-4 ([AumassonBernstein2012](crate#references)) over each frame.
+//!
+//! Host and controller share a [`Key`], from which every session has two keys of its own, one for each direction: see
+//! [`Key::of`]. A frame carries a counter and a tag. A [`Channel`] is one end of a session: it takes no counter twice.
+
+use core::fmt;
+
+use siphasher::sip::SipHasher24;
+
+/// Number of bytes of a counter and a tag.
+pub const TRAILER: usize = 12;
+
+/// A key of 128 bits.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Key([u8; Key::SIZE]);
+
+/// Direction of a frame. Each direction has a key of its own, so that a frame that is sent back is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the host to the controller.
+    ToDevice = 1,
+    /// From the controller to the host.
+    ToHost = 2,
+}
+
+/// Numbers that their owners never use twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Nonces {
+    /// Nonce of the host, which differs in each of its sessions.
+    pub host: u64,
+    /// Nonce of the controller, which differs in each of its runs.
+    pub device: u64,
+}
+
+impl Key {
+    /// Number of bytes of a key.
+    pub const SIZE: usize = 16;
+
+    /// Makes a key of its bytes.
+    #[must_use]
+    pub const fn new(bytes: [u8; Self::SIZE]) -> Self {
+        Self(bytes)
+    }
+
+    /// Returns the bytes of the key.
+    #[must_use]
+    pub const fn bytes(&self) -> &[u8; Self::SIZE] {
+        &self.0
+    }
+
+    /// Returns the SipHash-2-4 of some bytes. Cost: proportional to their number.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
+    #[must_use]
+    pub fn tag(&self, bytes: &[u8]) -> u64 {
+        let [a, b, c, d, e, f, g, h, high @ ..] = self.0;
+        let low = [a, b, c, d, e, f, g, h];
+        let [low, high] = [low, high].map(u64::from_le_bytes);
+        SipHasher24::new_with_keys(low, high).hash(bytes)
+    }
+
+    /// Returns the key for one direction of a session: the tags of direction, half (0 or 1), both nonces and the session,
+    /// little endian. Greetings are of session 0 and have nonces of 0.
+    #[must_use]
+    pub fn of(&self, direction: Direction, nonces: Nonces, session: u32) -> Self {
+        let mut input = [0; 22];
+        let [way, half, rest @ ..] = &mut input;
+        *way = direction as u8;
+        let numbers = nonces.host.to_le_bytes().into_iter();
+        let numbers = numbers.chain(nonces.device.to_le_bytes());
+        let numbers = numbers.chain(session.to_le_bytes());
+        rest.iter_mut()
+            .zip(numbers)
+            .for_each(|(place, byte)| *place = byte);
+        *half = 0;
+        let low = self.tag(&input);
+        let [_, half, ..] = &mut input;
+        *half = 1;
+        let high = self.tag(&input);
+        Self((u128::from(high) << 64 | u128::from(low)).to_le_bytes())
+    }
+
+    /// Writes a counter and the tag of all bytes before it behind the first `length` bytes of a frame. Returns the length
+    /// of the whole; `None` if there is no room.
+    pub(crate) fn close(&self, counter: u32, buffer: &mut [u8], length: usize) -> Option<usize> {
+        let (_, rest) = buffer.split_at_mut_checked(length)?;
+        *rest.first_chunk_mut::<4>()? = counter.to_le_bytes();
+        let (covered, rest) = buffer.split_at_mut_checked(length + 4)?;
+        *rest.first_chunk_mut::<8>()? = self.tag(covered).to_le_bytes();
+        Some(length + TRAILER)
+    }
+
+    /// Returns the counter of a frame and the bytes before it; `None` if the tag differs.
+    pub(crate) fn check<'b>(&self, frame: &'b [u8]) -> Option<(u32, &'b [u8])> {
+        let (covered, tag) = frame.split_last_chunk::<8>()?;
+        let (rest, counter) = covered.split_last_chunk::<4>()?;
+        // One comparison of all bits: its duration tells nothing of the tag.
+        (self.tag(covered) == u64::from_le_bytes(*tag))
+            .then_some((u32::from_le_bytes(*counter), rest))
+    }
+}
+
+/// Hides the bytes, so that no log tells them.
+impl fmt::Debug for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Key")
+    }
+}
+
+/// One end of a session: the keys of both directions, and the counters that were used.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel {
+    session: u32,
+    incoming: Key,
+    outgoing: Key,
+    /// Counter of the last frame that was taken; the next one is larger.
+    taken: u32,
+    /// Counter of the last frame that was sent.
+    sent: u32,
+}
+
+impl Channel {
+    /// Opens the end of a session that sends in this direction. Its first frame has the counter behind `sent`.
+    #[must_use]
+    pub fn new(key: &Key, outgoing: Direction, nonces: Nonces, session: u32, sent: u32) -> Self {
+        let incoming = match outgoing {
+            Direction::ToDevice => Direction::ToHost,
+            Direction::ToHost => Direction::ToDevice,
+        };
+        Self {
+            session,
+            incoming: key.of(incoming, nonces, session),
+            outgoing: key.of(outgoing, nonces, session),
+            taken: 0,
+            sent,
+        }
+    }
+
+    /// Returns the number of the session.
+    #[must_use]
+    pub fn session(&self) -> u32 {
+        self.session
+    }
+
+    /// Returns the counter of the last frame that was sent.
+    #[must_use]
+    pub fn sent(&self) -> u32 {
+        self.sent
+    }
+
+    /// Returns the bytes before the counter of a frame that is taken: its tag is right, and its counter is larger than all
+    /// before.
+    pub fn take<'b>(&mut self, frame: &'b [u8]) -> Option<&'b [u8]> {
+        let (counter, covered) = self.incoming.check(frame)?;
+        (counter > self.taken).then_some(())?;
+        self.taken = counter;
+        Some(covered)
+    }
+
+    /// Writes the next counter and a tag behind the first `length` bytes of a frame, [`TRAILER`] bytes. Returns the length of
+    /// the whole; `None` if there is no room, or if no counter is left. The counter is used up by [`advance`](Self::advance).
+    #[must_use]
+    pub fn close(&self, buffer: &mut [u8], length: usize) -> Option<usize> {
+        let counter = self.sent.checked_add(1)?;
+        self.outgoing.close(counter, buffer, length)
+    }
+
+    /// Notes that a closed frame is on its way.
+    pub fn advance(&mut self) {
+        self.sent = self.sent.saturating_add(1);
+    }
+}
