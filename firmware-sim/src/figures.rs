@@ -20,9 +20,9 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-use crate::controller::{Controller, Settings};
 use crate::probe::{self, ANY, Failure, MIURA, OPEN, WATERBOMB};
-use crate::retained::{self, HEAD};
+use foldpath_controller::retained::{self, HEAD};
+use foldpath_controller::{Controller, Settings};
 
 /// Number of ticks over which a mean is taken.
 const TICKS: u32 = 256;

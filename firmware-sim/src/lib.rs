@@ -7,16 +7,10 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
-pub mod application;
-pub mod controller;
 #[cfg(not(target_os = "none"))]
 pub mod faults;
-pub mod fifo;
 pub mod figures;
 #[cfg(not(target_os = "none"))]
 pub mod hinges;
-mod loader;
 pub mod plant;
 pub mod probe;
-pub mod retained;
-pub mod sheet;

@@ -19,7 +19,7 @@ use foldpath_core::{
 };
 use nalgebra::Vector3;
 
-use crate::controller::{self, Controller, Settings};
+use foldpath_controller::{Controller, FRAME, Settings};
 
 /// Number of steps of a walk.
 pub const STEPS: u16 = 25;
@@ -256,7 +256,7 @@ fn stream(
     let place = FollowerPosition::default();
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
-    let mut answers = Deframer::<{ controller::FRAME }>::default();
+    let mut answers = Deframer::<{ FRAME }>::default();
     let mut device = Controller::<GROUPS, 1, 16, 8>::new(Settings::new(1, |_| ANY));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut now, mut told) = (0, false);

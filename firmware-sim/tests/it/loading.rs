@@ -1,6 +1,7 @@
 //! Are sheets and setpoints taken up whole or not at all: when a motion fails in between, when the sheet resembles the one
 //! before, and when a setpoint takes longer to check than a tick?
 
+use foldpath_controller::Controller;
 use foldpath_core::acceptance::Refusal;
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
@@ -12,7 +13,6 @@ use foldpath_core::wire::message::{
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::Source;
 use foldpath_core::{Interpolation, StarsView};
-use foldpath_firmware_sim::controller::Controller;
 
 use crate::path::{LIMITS, Path, settings, vertex};
 use crate::refusals::Talk;

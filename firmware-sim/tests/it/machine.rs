@@ -6,6 +6,8 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_controller::retained;
+use foldpath_controller::{Application, Board, Condition, Settings};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
@@ -16,9 +18,6 @@ use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::wire::sender::Options;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
-use foldpath_firmware_sim::application::{Application, Board};
-use foldpath_firmware_sim::controller::{Condition, Settings};
-use foldpath_firmware_sim::retained;
 use foldpath_test_support::Random;
 use rand_core::Rng;
 

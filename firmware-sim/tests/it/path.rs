@@ -2,12 +2,12 @@
 
 use core::f64::consts::{PI, SQRT_2};
 
+use foldpath_controller::{Controller, Settings};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
-use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_test_support::Random;
 use foldpath_test_support::stars::{Stars, foldability_error, miura};
 use rand_core::Rng;

@@ -1,10 +1,10 @@
 //! Is a board safe from the first millisecond, with 2, 11 and 94 groups: after power-on, and against bytes that were
 //! recorded or forged?
 
+use foldpath_controller::Application;
 use foldpath_core::follower::{Denial, Reason, State};
 use foldpath_core::wire::driver::Persistence;
 use foldpath_core::wire::message::ItemRefusal;
-use foldpath_firmware_sim::application::Application;
 
 use crate::machine::{EXACT, Machine, Path, Sensor, Shared, told};
 use crate::path::settings;
@@ -144,7 +144,7 @@ fn no_message_widens_the_limits_of_the_board() {
 /// A board that asks for essential vertices takes no sheet without.
 #[test]
 fn a_sheet_with_vertices_needs_its_spokes() {
-    use foldpath_firmware_sim::controller::Settings;
+    use foldpath_controller::Settings;
     let path = Path::new(2);
     let bench = Shared::default();
     let settings = Settings {

@@ -88,8 +88,9 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
                         format!("--image: expected the file of an image, found none at {image}");
                     return Err(CliError::Usage(text));
                 }
-                None => default_image(key.is_some())
-                    .map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?,
+                None => {
+                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
+                }
             };
             let name = format!("qemu-system-arm with {}", image.display());
             connected(&name, Emulator::start(&image, key), args, &path, host, bars)?

@@ -20,13 +20,13 @@ const PAINT: u32 = 0xcccc_cccc;
 /// The flash and RAM that a real part has to offer.
 #[test]
 fn the_image_is_small() {
-    let bytes = fs::read(image("foldpath-controller")).unwrap();
+    let bytes = fs::read(image("foldpath-mps2-small")).unwrap();
     let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
     let ram = size(&bytes, &[".data", ".bss", ".uninit"]);
     println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
     assert!((1..=40 * 1024).contains(&flash));
     assert!((1..=8 * 1024).contains(&ram));
-    let bytes = fs::read(image("foldpath-controller-keyed")).unwrap();
+    let bytes = fs::read(image("foldpath-mps2-small-keyed")).unwrap();
     let keyed = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
     let keyed_ram = size(&bytes, &[".data", ".bss", ".uninit"]);
     println!("| flash with a key | {keyed} bytes |\n| RAM with a key | {keyed_ram} bytes |");
@@ -66,7 +66,7 @@ fn work_is_done_in_time() {
 #[test]
 fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
     let fold = Fold::miura();
-    image("foldpath-controller");
+    image("foldpath-mps2-small");
     let _turn = turn();
     let mut world = World::new(&fold, "mps2-an386", Faults::default(), 0);
     world.greet(Persistence::Always);

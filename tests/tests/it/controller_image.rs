@@ -29,7 +29,7 @@ static FOLD: LazyLock<Fold> = LazyLock::new(Fold::miura);
 /// other.
 fn seeds(test: impl Fn(u64) + Sync) {
     LazyLock::force(&FOLD);
-    image("foldpath-controller");
+    image("foldpath-mps2-small");
     let _turn = turn();
     thread::scope(|scope| {
         for seed in 0..SEEDS {

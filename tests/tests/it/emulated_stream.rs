@@ -82,7 +82,7 @@ fn emulators() -> Vec<String> {
 /// This is a single test so that no other test has emulators at the same time.
 #[test]
 fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
-    let (bytes, image) = (planned(), image("foldpath-controller"));
+    let (bytes, image) = (planned(), image("foldpath-mps2"));
     let _turn = turn();
     let faults = Faults {
         drop: 0.05,
@@ -116,8 +116,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
 
     // A board with a key follows the owner of the key alone.
     let key = Key::new(core::array::from_fn(|byte| u8::try_from(byte).unwrap()));
-    let with_key = image.with_file_name("foldpath-controller-keyed");
-    let mut board = Emulator::start(&with_key, Some(key)).unwrap();
+    let mut board = Emulator::start(&image, Some(key)).unwrap();
     for (id, key, outcome) in [(5, None, Outcome::NoDevice), (6, Some(key), Outcome::Done)] {
         let path = StreamPath::read(&bytes, Path::new("path.traj")).unwrap();
         let options = Options {

@@ -8,7 +8,12 @@ use foldpath_firmware_sim::probe;
 use crate::image::{PROBE, board_output, build, image, symbols};
 
 /// Names of the images.
-const IMAGES: [&str; 2] = [PROBE, "foldpath-controller"];
+const IMAGES: [&str; 4] = [
+    PROBE,
+    "foldpath-mps2",
+    "foldpath-mps2-small",
+    "foldpath-mps2-small-keyed",
+];
 
 fn host_output() -> String {
     let mut output = String::new();

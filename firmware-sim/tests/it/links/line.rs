@@ -1,10 +1,10 @@
 //! Attacks on a motion: nothing moves that the owner of the key has not asked for, and the motion goes on.
 
+use foldpath_controller::Controller;
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::protection::{Keyed, Protection};
 use foldpath_core::wire::sender::{Failure, Phase};
-use foldpath_firmware_sim::controller::Controller;
 use foldpath_firmware_sim::faults::Faults;
 
 use super::{KEY, OTHER};

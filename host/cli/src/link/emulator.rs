@@ -16,10 +16,10 @@ use super::Wire;
 use crate::key::nonce;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
-/// Names of the images without and with room for a key.
-const NAMES: [&str; 2] = ["foldpath-controller", "foldpath-controller-keyed"];
-/// Arguments of the cargo command that builds an image, before its name.
-const BUILD: [&str; 9] = [
+/// Name of the image.
+const NAME: &str = "foldpath-mps2";
+/// Arguments of the cargo command that builds the image.
+const BUILD: [&str; 10] = [
     "build",
     "--locked",
     "--profile",
@@ -29,6 +29,7 @@ const BUILD: [&str; 9] = [
     "-p",
     "foldpath-firmware-sim",
     "--bin",
+    NAME,
 ];
 /// Environment variables with settings for the host that must not affect the build for the board.
 const FOR_THE_HOST: [&str; 4] = [
@@ -40,15 +41,12 @@ const FOR_THE_HOST: [&str; 4] = [
 /// Longest time that the emulator may take to open its lines.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Returns the controller's image of this workspace, with room for a key if it is to be `keyed`, and builds the image if
-/// it is missing. Cargo prints its progress on stderr.
+/// Returns the controller's image of this workspace, and builds it if it is missing. Cargo prints its progress on stderr.
 ///
 /// # Errors
 /// If the image cannot be built. Outside the workspace, the text names the command that builds it.
-pub fn default_image(keyed: bool) -> Result<PathBuf, String> {
-    let [unkeyed, with_key] = NAMES;
-    let name = if keyed { with_key } else { unkeyed };
-    let command = format!("cargo {} {name}", BUILD.join(" "));
+pub fn default_image() -> Result<PathBuf, String> {
+    let command = format!("cargo {}", BUILD.join(" "));
     let here = env::current_dir().map_err(|error| error.to_string())?;
     let root = here
         .ancestors()
@@ -60,13 +58,13 @@ pub fn default_image(keyed: bool) -> Result<PathBuf, String> {
         })?;
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let target = std::path::absolute(target).map_err(|error| error.to_string())?;
-    let image = |folder: &Path| folder.join(TARGET).join("firmware").join(name);
+    let image = |folder: &Path| folder.join(TARGET).join("firmware").join(NAME);
     let places = [image(&target), image(&target.join("fw"))];
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(BUILD).arg(name).arg("--target-dir").arg(&target);
+    cargo.args(BUILD).arg("--target-dir").arg(&target);
     cargo
         .current_dir(root)
         .stdin(Stdio::null())
@@ -92,8 +90,8 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts `qemu-system-arm` with the image. The first serial line carries messages, the second is the stop line. A key is
-    /// put where an image with room for one expects it.
+    /// Starts `qemu-system-arm` with the image. The first serial line carries messages, the second is the stop line. The key is
+    /// put where the image expects it.
     ///
     /// # Errors
     /// If there is no QEMU or no image, or the emulator ends at once.

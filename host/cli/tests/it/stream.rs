@@ -13,6 +13,7 @@ use std::time::Instant;
 use crate::common::folder;
 use crate::session;
 use foldpath::stream::{Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish};
+use foldpath_controller::{Controller, Settings};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
@@ -24,7 +25,6 @@ use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Spoke, StarView, StarsView,
     local_foldability_matrix,
 };
-use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_test_support::Folder;
 use serde_json::Value;

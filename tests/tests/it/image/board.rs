@@ -56,7 +56,7 @@ impl Board {
         command
             .arg("-device")
             .arg(format!("loader,addr=0x20300000,data={nonce:#x},data-len=8"));
-        command.arg("-kernel").arg(image("foldpath-controller"));
+        command.arg("-kernel").arg(image("foldpath-mps2-small"));
         let mut emulator = command
             .stdin(Stdio::null())
             .spawn()

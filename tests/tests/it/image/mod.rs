@@ -97,7 +97,7 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
 
 /// Returns the address of the controller's function or variable whose name contains all `parts`.
 pub(crate) fn address(parts: &[&str]) -> u64 {
-    let bytes = std::fs::read(image("foldpath-controller")).unwrap();
+    let bytes = std::fs::read(image("foldpath-mps2-small")).unwrap();
     let elf = object::File::parse(&*bytes).unwrap();
     let named = |name: &str| parts.iter().all(|part| name.contains(part));
     let mut symbols = elf.symbols().filter(|s| s.name().is_ok_and(named));

@@ -1,6 +1,6 @@
 //! The controller without its board: bytes of the line and ticks of the clock go in, angles and bytes come out.
 //!
-//! On a board [`Application`](crate::application::Application) [restores](Controller::restore) what a reset has left,
+//! On a board [`Application`](crate::Application) [restores](Controller::restore) what a reset has left,
 //! hands over received bytes ([`Controller::byte`]), calls [`Controller::tick`] at a steady pace, powers and
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.

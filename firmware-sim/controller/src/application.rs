@@ -1,7 +1,7 @@
 //! The main loop of a controller, for any board.
 //!
 //! A board offers a serial line by the traits of [`embedded_io`], whose interrupts fill and empty queues
-//! ([`Fifo`](crate::fifo::Fifo)), and everything else as a [`Board`]. Nothing here waits.
+//! ([`Fifo`](crate::Fifo)), and everything else as a [`Board`]. Nothing here waits.
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;

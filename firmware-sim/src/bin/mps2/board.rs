@@ -17,19 +17,15 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_controller::retained;
+use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
 use foldpath_core::wire::key::Key;
 use foldpath_core::{GroupLimits, Membership};
-use foldpath_firmware_sim::application::{Application, Board};
-use foldpath_firmware_sim::controller::{Condition, Settings};
-use foldpath_firmware_sim::fifo::Fifo;
 use foldpath_firmware_sim::plant::Plant;
-use foldpath_firmware_sim::retained;
 
-/// Number of groups for which there is room.
-const GROUPS: usize = 2;
+use crate::sizes::{GROUPS, HINGES, KNOTS, Protection, SPOKES};
 
-/// Room for two groups and the hinges of a Miura fold of 24 x 24 faces.
-type Controller = Application<Mps2, Line, GROUPS, 1104, 16, 16, crate::Protection>;
+type Controller = Application<Mps2, Line, GROUPS, HINGES, SPOKES, KNOTS, Protection>;
 
 /// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
 const NONCE: usize = 0x2030_0000;

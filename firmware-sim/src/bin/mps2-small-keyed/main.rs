@@ -1,0 +1,28 @@
+//! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them: the sizes of a small
+//! part, for two groups, with room for a key.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::indexing_slicing)]
+
+#[cfg(target_os = "none")]
+#[path = "../mps2/board.rs"]
+mod board;
+
+#[cfg(target_os = "none")]
+mod sizes {
+    /// Whether there is room for a key.
+    pub(crate) use foldpath_core::wire::protection::Keyed as Protection;
+
+    /// Largest numbers of groups, of hinges, of spokes of essential vertices, and of setpoints in the queue.
+    pub(crate) const GROUPS: usize = 2;
+    pub(crate) const HINGES: usize = 1104;
+    pub(crate) const SPOKES: usize = 16;
+    pub(crate) const KNOTS: usize = 16;
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for a microcontroller: firmware-sim/README.md says how to build and run it."
+    );
+}
