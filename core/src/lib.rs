@@ -106,25 +106,34 @@ pub mod acceptance;
 pub mod bernstein;
 mod checksum;
 pub mod closure;
+#[cfg(feature = "solvers")]
 pub mod conjugate_gradients;
 mod curve;
+#[cfg(feature = "solvers")]
 mod dense;
+#[cfg(feature = "solvers")]
 mod dual;
 mod folding_matrix;
 pub mod follower;
+#[cfg(feature = "solvers")]
 pub mod gradient;
 mod group;
 mod half_angles;
 pub mod hole;
+#[cfg(feature = "solvers")]
 mod ldl;
+#[cfg(feature = "solvers")]
 pub mod least_squares;
+#[cfg(feature = "solvers")]
 pub mod levenberg_marquardt;
 mod limits;
 mod numbers;
 mod objective;
 pub mod path_clock;
+#[cfg(feature = "solvers")]
 pub mod project;
 mod rotation;
+#[cfg(feature = "solvers")]
 pub mod sampling;
 mod scalar;
 mod segment_bounds;
@@ -136,7 +145,9 @@ pub mod wire;
 
 pub use checksum::{checksum, checksum_on};
 pub use curve::{Curve, Interpolation, Node};
+#[cfg(feature = "solvers")]
 pub use dense::DenseNormalEquations;
+#[cfg(feature = "solvers")]
 pub use dual::DualNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
