@@ -199,7 +199,7 @@ fn stream<P: Protection>(
         let room = device.follower().room();
         let cost = meter.measure(|| {
             device.tick(now);
-            device.drive(|_, _, angle| angle);
+            device.drive(|_, _, target| target.map(|target| target.angle.into()));
         });
         if device.follower().state() == State::Running {
             ticks = (ticks.0 + cost, ticks.1 + 1);

@@ -3,6 +3,42 @@
 use crate::follower::{Follower, State};
 use crate::{Membership, Scalar};
 
+/// What a hinge is commanded.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Target<T> {
+    /// Angle where it is to be now, radians.
+    pub angle: T,
+    /// Rate at which this angle changes, radians per second; 0 at rest.
+    pub rate: T,
+}
+
+/// Measured angle of a hinge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measurement<T> {
+    /// Angle, radians. NaN, or what is no angle, tells of a sensor that has failed, and holds the motion.
+    pub angle: T,
+    /// Time since the hinge was at this angle, microseconds.
+    pub age: u32,
+}
+
+impl<T: Scalar> Target<T> {
+    /// Returns the angle that was commanded `age` microseconds ago, radians, if the rate was the same since then.
+    fn before(self, age: u32) -> T {
+        if age == 0 {
+            self.angle
+        } else {
+            self.angle - self.rate * T::whole(age) * T::lit(1e-6)
+        }
+    }
+}
+
+impl<T> From<T> for Measurement<T> {
+    /// Returns the measurement of an angle at this moment.
+    fn from(angle: T) -> Self {
+        Self { angle, age: 0 }
+    }
+}
+
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Returns the commanded angle of a hinge, radians.
     #[must_use]
@@ -11,20 +47,27 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Some(membership.apply(*angle))
     }
 
-    /// Takes the measured angle of a hinge, radians. Hinges may be measured at any pace and in any order. A hinge that
-    /// lags counts until it is measured again. While it is not known where the groups stand, the measured angles tell it.
-    pub fn measure(&mut self, hinge: u32, membership: Membership, angle: T) {
+    /// Takes the measured angle of a hinge. Hinges may be measured at any pace and in any order. A hinge that lags counts
+    /// until it is measured again. While it is not known where the groups stand, the measured angles tell it.
+    pub fn measure(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        measurement: impl Into<Measurement<T>>,
+    ) {
         let mut member = Some(membership).into_iter();
-        self.drive_from(hinge, &mut member, |_, _, _| Some(angle));
+        let measurement = measurement.into();
+        self.drive_from(hinge, &mut member, |_, _, _| Some(measurement));
     }
 
-    /// Calls `drive` for each of these hinges, numbered from 0, with its number, its group and sign, and its commanded
-    /// angle (radians), or `None` while it is not known where the groups stand. [Measures](Self::measure) the angle that
-    /// `drive` returns, radians, if there is one. Cost: a multiplication and a comparison for each hinge.
+    /// Calls `drive` for each of these hinges, numbered from 0, with its number, its group and sign, and its target, or
+    /// `None` while it is not known where the groups stand. [Measures](Self::measure) what `drive` returns, if there is
+    /// something. Cost: a multiplication and a comparison for each hinge, and another multiplication if `drive` uses the
+    /// rate.
     pub fn drive(
         &mut self,
         hinges: impl Iterator<Item = Membership>,
-        drive: impl FnMut(u32, Membership, Option<T>) -> Option<T>,
+        drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
         self.drive_from(0, hinges, drive);
     }
@@ -33,20 +76,26 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         &mut self,
         first: u32,
         hinges: impl Iterator<Item = Membership>,
-        mut drive: impl FnMut(u32, Membership, Option<T>) -> Option<T>,
+        mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
         let surveys = self.state == State::Ready && !self.stands;
         let groups = if self.stands { self.groups } else { 0 };
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
-        let angles = self.angles.get(..groups.min(GROUPS)).unwrap_or(&[]);
+        let groups = groups.min(GROUPS);
+        let angles = self.angles.get(..groups).unwrap_or(&[]);
+        let rates = self.rates.get(..groups).unwrap_or(&[]);
         let (lag, mut unremarkable) = (self.options.lag, self.lag.unremarkable(self.options.lag));
         let mut hinge = first;
         for membership in hinges {
             let group = membership.group.index();
-            let command = angles.get(group).map(|angle| membership.apply(*angle));
-            match (drive(hinge, membership, command), command) {
-                (Some(angle), Some(command)) => {
-                    let distance = (command - angle).abs();
+            let target = angles.get(group).zip(rates.get(group));
+            let target = target.map(|(angle, rate)| Target {
+                angle: membership.apply(*angle),
+                rate: membership.apply(*rate),
+            });
+            match (drive(hinge, membership, target), target) {
+                (Some(Measurement { angle, age }), Some(target)) => {
+                    let distance = (target.before(age) - angle).abs();
                     // False for a NaN.
                     let near = distance <= unremarkable;
                     if !near {
@@ -54,10 +103,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
                         unremarkable = self.lag.unremarkable(lag);
                     }
                 }
-                (Some(angle), None) if surveys => {
+                (Some(Measurement { angle, age }), None) if surveys => {
                     let angle = membership.apply(angle);
+                    let at = self.now.saturating_sub(age.into());
                     self.survey
-                        .measure(group, angle, self.now, self.options.fresh);
+                        .measure(group, angle, [at, self.now], self.options.fresh);
                 }
                 _ => {}
             }

@@ -38,6 +38,7 @@ use crate::acceptance::{Setpoint, SheetView};
 use crate::path_clock::PathClock;
 
 use approach::Approach;
+pub use hinges::{Measurement, Target};
 use lag::{Lag, LagWatch};
 use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};

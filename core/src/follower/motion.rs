@@ -118,6 +118,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let arrived = self.left() <= T::zero() && !self.is_approaching();
         self.state = if self.ended && arrived {
             self.clock.halt();
+            self.still();
             State::Done
         } else if self.is_held() || rests && (dry || goal <= T::zero()) {
             State::Holding

@@ -27,12 +27,16 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         }
     }
 
-    /// Takes the angle of a group that was measured at `now`, radians. An angle that is no number makes the range as wide
-    /// as can be. For `fresh`, see [`age`](Self::age).
+    /// Takes the angle of a group that was measured at `at`, radians, and has come `now`. An angle that is no number makes
+    /// the range as wide as can be. One that is too old is no measurement. For `fresh`, see [`age`](Self::age).
     #[inline(never)]
-    pub(super) fn measure(&mut self, group: usize, angle: T, now: u64, fresh: u32) {
+    pub(super) fn measure(&mut self, group: usize, angle: T, [at, now]: [u64; 2], fresh: u32) {
         self.age(now, fresh);
-        self.begun.get_or_insert(now);
+        if now.saturating_sub(at) > u64::from(fresh) {
+            return;
+        }
+        let begun = self.begun.get_or_insert(at);
+        *begun = at.min(*begun);
         let [newer, _] = &mut self.ranges;
         let Some([low, high]) = newer.get_mut(group) else {
             return;

@@ -1,7 +1,7 @@
 //! Does a follower stop for stuck hinges, latches, leaps and bounds, move farther in no tick than it may, and go on from
 //! where it stands?
 
-use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
+use foldpath_core::follower::{Denial, Fault, FollowerPosition, Measurement, Reason, State};
 use foldpath_core::{GroupId, Membership, Scalar};
 use foldpath_test_support::Random;
 
@@ -271,18 +271,45 @@ fn ticks_without_a_measurement_hide_no_stuck_hinge() {
                     group: GroupId(hinge % 2),
                     negative: false,
                 });
-                run.follower.drive(members, |hinge, _, command| {
-                    let command = command.unwrap();
+                run.follower.drive(members, |hinge, _, target| {
+                    let command = target.unwrap().angle;
                     let angle = if hinge == stuck {
                         command.min(0.3)
                     } else {
                         command
                     };
-                    ((turn + hinge) % period == 0).then_some(angle)
+                    ((turn + hinge) % period == 0).then_some(angle.into())
                 });
                 assert!(run.now < 4_000_000, "{:?}", run.follower.reason());
             }
             assert_eq!(run.follower.reason(), Reason::Fault(Fault::Stalled(stuck)));
         }
+    }
+}
+
+/// A servo on a bus tells where it was some time ago.
+#[test]
+fn an_old_measurement_is_compared_with_the_command_of_its_time() {
+    for (age, slowed) in [(100_000, false), (0, true)] {
+        let mut run = Run::<2>::new();
+        run.load(0.0);
+        run.follower.confirm().unwrap();
+        run.follower.start().unwrap();
+        let mut commands = Vec::new();
+        let mut reasons = Vec::new();
+        while run.follower.state() != State::Done {
+            run.tick();
+            let member = Membership {
+                group: GroupId(0),
+                negative: true,
+            };
+            commands.push(run.follower.hinge(member).unwrap());
+            let angle = commands[commands.len().saturating_sub(101)];
+            run.follower.measure(0, member, Measurement { angle, age });
+            reasons.push(run.follower.reason());
+            assert!(run.now < 60_000_000);
+        }
+        assert_eq!(reasons.contains(&Reason::Lag(0)), slowed, "{age}");
+        assert!(run.follower.rates().iter().all(|rate| rate.to_bits() == 0));
     }
 }

@@ -5,6 +5,7 @@
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
+use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 
@@ -25,9 +26,18 @@ pub trait Board {
     /// Holds the power of the drives, or lets them rest. Called once a tick before the hinges are driven, in every
     /// state: before the first sheet, after a reset and in a fault as well.
     fn power(&mut self, condition: &Condition);
-    /// Commands a hinge of this group and sign its angle, radians; `None` while it is not known where the hinge stands,
-    /// so that it must not move. Returns the measured angle, radians, if there is one.
-    fn drive(&mut self, hinge: u32, membership: Membership, angle: Option<f32>) -> Option<f32>;
+    /// Commands a hinge of this group and sign its target: the angle for a servo, the rate for a drive that takes speeds.
+    /// `None` while it is not known where the hinge stands, so that it must not move. Returns the newest measurement of
+    /// the hinge that was not yet returned, with its age, if there is one.
+    fn drive(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        target: Option<Target<f32>>,
+    ) -> Option<Measurement<f32>>;
+    /// Called once a tick after the last hinge, for drives that take all targets at once, such as servos on a bus. Such a
+    /// board collects the targets in [`drive`](Self::drive), and sends them here.
+    fn commit(&mut self) {}
     /// Returns `true` if the drives have held the hinges from the last tick before a reset until now, so that they stand
     /// where the record says. Called once at the start. Drives that lose their power or their pulses in a reset have not.
     fn held(&mut self) -> bool;
@@ -166,7 +176,8 @@ where
         self.device.tick(now);
         self.board.power(&self.device.condition());
         self.device
-            .drive(|hinge, membership, angle| self.board.drive(hinge, membership, angle));
+            .drive(|hinge, membership, target| self.board.drive(hinge, membership, target));
+        self.board.commit();
         self.keep();
         self.board.feed();
     }

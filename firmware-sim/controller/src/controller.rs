@@ -5,7 +5,9 @@
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
-use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{
+    Denial, Fault, Follower, FollowerPosition, Measurement, Options, Reason, State, Target,
+};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
@@ -316,10 +318,13 @@ impl<
         self.loader.follower.tick(now);
     }
 
-    /// Calls `drive` for each hinge with its number, its group and sign, and its commanded angle (radians), or `None`
-    /// while it is not known where the sheet stands. `drive` returns the measured angle, radians, if there is one. Cost:
-    /// a multiplication and a comparison for each hinge.
-    pub fn drive(&mut self, drive: impl FnMut(u32, Membership, Option<f32>) -> Option<f32>) {
+    /// Calls `drive` for each hinge with its number, its group and sign, and its target, or `None` while it is not known
+    /// where the sheet stands. `drive` returns the measured angle, if there is one. Cost: a multiplication and a
+    /// comparison for each hinge.
+    pub fn drive(
+        &mut self,
+        drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
+    ) {
         let Loader {
             sheet, follower, ..
         } = &mut self.loader;

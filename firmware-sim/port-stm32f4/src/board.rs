@@ -24,6 +24,7 @@ use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::{GroupLimits, Membership};
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
@@ -157,7 +158,13 @@ impl Board for Nucleo {
     /// on, in a fault as well. After a reset there are none until a host has sent the sheet again.
     fn power(&mut self, _: &Condition) {}
 
-    fn drive(&mut self, hinge: u32, _: Membership, angle: Option<f32>) -> Option<f32> {
+    fn drive(
+        &mut self,
+        hinge: u32,
+        _: Membership,
+        target: Option<Target<f32>>,
+    ) -> Option<Measurement<f32>> {
+        let angle = target.map(|target| target.angle);
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // The read waits for the conversion, which takes 5 microseconds.
@@ -180,7 +187,7 @@ impl Board for Nucleo {
             }
             _ => return None,
         };
-        Some((f32::from(reading) - ZERO) / READING)
+        Some(((f32::from(reading) - ZERO) / READING).into())
     }
 
     /// The servos have no pulses in a reset, and are limp without them. Their potentiometers tell where they stand.

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Settings};
-use foldpath_core::follower::FollowerPosition;
+use foldpath_core::follower::{FollowerPosition, Measurement, Target};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
@@ -137,14 +137,21 @@ impl Board for Shared {
         bench.commands.clear();
     }
 
-    fn drive(&mut self, hinge: u32, _: Membership, angle: Option<f32>) -> Option<f32> {
+    fn drive(
+        &mut self,
+        hinge: u32,
+        _: Membership,
+        target: Option<Target<f32>>,
+    ) -> Option<Measurement<f32>> {
+        let angle = target.map(|target| target.angle);
         let mut bench = self.0.borrow_mut();
         assert_eq!(bench.commands.len(), hinge as usize);
         bench.commands.push(angle);
         let hinges = bench.stands.len().max(hinge as usize + 1);
         bench.stands.resize(hinges, 0.0);
         let stands = bench.stands[hinge as usize];
-        bench.sensor.map(|sensor| sensor(hinge, angle, stands))
+        let measured = bench.sensor.map(|sensor| sensor(hinge, angle, stands));
+        measured.map(Into::into)
     }
 
     fn held(&mut self) -> bool {

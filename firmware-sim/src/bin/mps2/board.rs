@@ -19,6 +19,7 @@ use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::wire::key::Key;
 use foldpath_core::{GroupLimits, Membership};
 use foldpath_firmware_sim::plant::Plant;
@@ -213,13 +214,18 @@ impl Board for Mps2 {
     /// The drives of this board have no power to switch: without a command they hold where they are.
     fn power(&mut self, _: &Condition) {}
 
-    fn drive(&mut self, hinge: u32, membership: Membership, angle: Option<f32>) -> Option<f32> {
-        let Some(angle) = angle else {
-            return PLANT.measure(hinge, membership);
+    fn drive(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        target: Option<Target<f32>>,
+    ) -> Option<Measurement<f32>> {
+        let Some(Target { angle, .. }) = target else {
+            return PLANT.measure(hinge, membership).map(Into::into);
         };
         #[allow(clippy::cast_possible_truncation, reason = "differences matter")]
         let now = self.micros as u32;
-        Some(PLANT.drive(hinge, membership, angle, now))
+        Some(PLANT.drive(hinge, membership, angle, now).into())
     }
 
     /// The emulated drives hold where they are, in a reset as well.
