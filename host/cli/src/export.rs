@@ -198,6 +198,11 @@ fn sequence(args: &Export, path: &Motion) -> Result<String, CliError> {
 fn model(args: &Export, path: &Motion, name: &Path) -> Result<String, CliError> {
     let model = mjcf::model(path, name)?;
     let output = &args.output;
+    if output.is_file() {
+        let output = output.display();
+        let text = format!("-o: --to mjcf expected a folder, found the file {output}");
+        return Err(CliError::Usage(text));
+    }
     std::fs::create_dir_all(output).map_err(|source| FileError::Io {
         path: output.clone(),
         source,

@@ -79,9 +79,10 @@ pub fn sampled(
             let _complete = write!(text, ",edge_{edge}");
         }),
     }
-    // The last row at the rate is left out if it is the end of the motion but for rounding.
-    let rows = (0_u32..).map(|row| f64::from(row) / rate);
-    let rows = rows.take_while(|time| time + 1e-6 / rate < end - start);
+    // The last row at the rate is left out if it is the end of the motion but for rounding. The start never is.
+    let later = (1_u32..).map(|row| f64::from(row) / rate);
+    let later = later.take_while(|time| time + 1e-6 / rate < end - start);
+    let rows = (start < end).then_some(0.0).into_iter().chain(later);
     for time in rows.chain([end - start]) {
         let now = motion.at_times([start + time]);
         let _complete = write!(text, "\n{time}");

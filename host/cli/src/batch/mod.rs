@@ -51,10 +51,14 @@ pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
     let bar = bar(args, quiet)?;
     let mut designs = open(&args.designs)?;
     // Designs that cannot be read leave the results that are there.
-    designs.fill_buf().map_err(|source| FileError::Io {
+    let begin = designs.fill_buf().map_err(|source| FileError::Io {
         path: args.designs.clone(),
         source,
     })?;
+    let mark = "\u{feff}".as_bytes();
+    if begin.starts_with(mark) {
+        designs.consume(mark.len());
+    }
     let mut results = Results::open(&args.output, args.resume)?;
     let skipped = results.known();
     let taken = [args.designs.as_path(), args.output.as_path()];

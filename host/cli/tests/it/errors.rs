@@ -107,6 +107,7 @@ fn usage() {
         stream - --to sim --sheet -
         export path.fold --to obj -o -
         export path.fold --to mjcf -o -
+        export path.fold --to mjcf -o miura.fold
         export path.fold --to traj --rate 50 -o a.traj
         export path.fold --to csv --rate 0 -o a.csv
         export path.fold --to csv --rate 1e12 -o a.csv

@@ -73,6 +73,11 @@ fn rows_at_a_rate_show_every_hinge_or_group() {
         10.0 / end
     ));
     assert_eq!(folder.read("few.csv").lines().count(), 12);
+    // Start and end are there however low the rate is.
+    folder.done("export path.fold --to csv --rate 1e-9 -o ends.csv");
+    let text = folder.read("ends.csv");
+    let (_, ends) = rows(&text);
+    assert_eq!(ends, [hinges[0].clone(), hinges[hinges.len() - 1].clone()]);
 }
 
 /// A point of a trajectory as its YAML has it.
