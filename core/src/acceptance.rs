@@ -5,15 +5,13 @@
 //! makes the check exact. For half angles, angles and rates are also bounded between these places. Closure is checked
 //! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
 
-use core::ops::Range;
-
 use heapless::Vec;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::bernstein::differences;
 use crate::curve::{Flaw, half_angle};
 use crate::numbers::Numbers;
-use crate::segment_bounds::{self, Pair};
+use crate::segment_bounds::{self, Judged, Pair, Part};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
@@ -144,7 +142,14 @@ pub fn check<T: Scalar, const GROUPS: usize>(
     next: &Setpoint<T, GROUPS>,
 ) -> Result<(), Refusal> {
     check_places(sheet, before, next)?;
-    check_bounds(sheet, before, next, 0..u16::MAX).map(|_| ())
+    check_bounds(sheet, before, next, &mut Progress::default(), u32::MAX).map(|_| ())
+}
+
+/// Essential vertex and part of a segment whose closure is bounded next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Progress {
+    star: u16,
+    part: Part,
 }
 
 /// Checks all of [`check`] but the bounds on the closure of homogeneous half angles.
@@ -194,13 +199,14 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
 }
 
-/// Checks that the essential vertices of these numbers stay closed on a segment of homogeneous half angles. Returns
-/// `true` if no vertex is left behind them, or if the segment needs no bounds.
+/// Goes on to check that the essential vertices stay closed on a segment of homogeneous half angles, by at most `parts`
+/// parts of it. Returns `true` if nothing is left to check.
 pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
     next: &Setpoint<T, GROUPS>,
-    some: Range<u16>,
+    progress: &mut Progress,
+    parts: u32,
 ) -> Result<bool, Refusal> {
     let Some(before) = before.filter(|_| sheet.interpolation == Interpolation::Homogeneous) else {
         return Ok(true);
@@ -210,13 +216,20 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
         let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
         pair(&Curve::between(sheet.interpolation, span, *from, *to))
     };
-    let mut stars = groups(sheet.stars.iter()).skip(some.start.into());
-    for (number, star) in stars.by_ref().take(some.len()) {
-        if !segment_bounds::stays_closed(star, pair, sheet.closure) {
-            return Err(Refusal::OpenBetween(number));
+    for _ in 0..parts {
+        let Some(star) = sheet.stars.get(progress.star.into()) else {
+            return Ok(true);
+        };
+        match segment_bounds::stays_closed(star, pair, sheet.closure, progress.part) {
+            Judged::Everywhere => {
+                progress.star = progress.star.saturating_add(1);
+                progress.part = Part::default();
+            }
+            Judged::Not => return Err(Refusal::OpenBetween(progress.star)),
+            Judged::Next(part) => progress.part = part,
         }
     }
-    Ok(stars.next().is_none())
+    Ok(sheet.stars.get(progress.star.into()).is_none())
 }
 
 /// Returns the cubics of a curve of half angles.

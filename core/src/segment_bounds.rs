@@ -25,6 +25,55 @@ const SLACK: f64 = 1.0 / 16.0;
 /// Angle (radians) by which a bound may be outside the limits of a group. Commanded angles are clamped to the limits.
 const RANGE_SLACK_RAD: f64 = 1e-3;
 
+/// Part number `index` of 2^`halvings` equal parts of a segment, counted from 0. The default is the whole segment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Part {
+    index: u32,
+    halvings: u32,
+}
+
+/// What is known of a condition once it was judged on a part of a segment.
+pub(crate) enum Judged {
+    /// It holds on the whole segment.
+    Everywhere,
+    /// It is not known to hold on the smallest part.
+    Not,
+    /// It has to be judged on this part next.
+    Next(Part),
+}
+
+impl Part {
+    /// Returns where the part begins and ends on the segment, which goes from 0 to 1.
+    fn ends<T: Scalar>(self) -> [T; 2] {
+        let length = T::one() / T::whole(1 << self.halvings);
+        let from = T::whole(self.index) * length;
+        [from, from + length]
+    }
+
+    /// Returns what follows if the condition `holds` on this part, behind parts on which it holds. A part on which it does
+    /// not is halved, at most [`MAX_HALVINGS`] times.
+    fn judged(self, holds: bool) -> Judged {
+        let Self {
+            mut index,
+            mut halvings,
+        } = self;
+        if holds {
+            index += 1;
+            while halvings > 0 && index.is_multiple_of(2) {
+                (index, halvings) = (index / 2, halvings - 1);
+            }
+            if halvings == 0 {
+                return Judged::Everywhere;
+            }
+        } else if halvings == MAX_HALVINGS {
+            return Judged::Not;
+        } else {
+            (index, halvings) = (2 * index, halvings + 1);
+        }
+        Judged::Next(Self { index, halvings })
+    }
+}
+
 /// Coefficients of the cubics c and n of one group on a segment; the default is flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair<T> {
@@ -103,19 +152,20 @@ pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> boo
     })
 }
 
-/// Returns `true` if the closure residual of a star is everywhere at most `bound`, within [`slack`] and rounding.
+/// Judges whether the closure residual of a star is at most `bound` on a part of a segment, within [`slack`] and rounding.
 ///
-/// `pair` returns the curves of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded, and the answer is
-/// `false`. Cost: about 100 multiplications by the squared number of spokes, for each of at most 63 parts.
+/// `pair` returns the curves of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded. Cost: about 100
+/// multiplications by the squared number of spokes. A star takes at most 63 parts.
 #[inline(never)]
 pub(crate) fn stays_closed<T: Scalar>(
     star: StarView<'_, T>,
     pair: impl Fn(usize) -> Option<Pair<T>>,
     bound: T,
-) -> bool {
+    part: Part,
+) -> Judged {
     let degree = star.spokes.len();
     if degree > MAX_SPOKES {
-        return false;
+        return Judged::Not;
     }
     let (mut noise, mut most) = (T::zero(), T::TWO);
     for _ in star.spokes {
@@ -123,7 +173,8 @@ pub(crate) fn stays_closed<T: Scalar>(
         // On a short part each factor |c| + |n| is at most √2 times the length of (c, n).
         most *= T::TWO.sqrt();
     }
-    everywhere(&mut |part: [T; 2]| {
+    let ends = part.ends();
+    let holds = || {
         // Quaternions (w, x, y, z) and the sum of the sizes of all terms of each, from which rounding follows.
         let mut product = [[T::zero(); 5]; 3 * MAX_SPOKES + 1];
         if let Some(first) = product.first_mut() {
@@ -134,7 +185,7 @@ pub(crate) fn stays_closed<T: Scalar>(
             let Some(pair) = pair(spoke.group.index()) else {
                 return false;
             };
-            let Pair { cos, sin } = pair.restrict(part);
+            let Pair { cos, sin } = pair.restrict(ends);
             length += 3;
             across(
                 &mut product,
@@ -153,7 +204,8 @@ pub(crate) fn stays_closed<T: Scalar>(
             let allowed = bound * slack() * w + noise * *size;
             w > T::zero() && size.is_finite() && *size <= most * w && off <= allowed
         })
-    })
+    };
+    part.judged(holds())
 }
 
 /// Multiplies the first `length - 3` quaternions by a fold about the axis (x, y, 0), in place; the product has `length`.
@@ -188,27 +240,16 @@ fn across<T: Scalar>(
     }
 }
 
-/// Returns `true` if `holds` is true for parts `[from, to]` that cover the segment. A part for which it is not true is
-/// halved, at most [`MAX_HALVINGS`] times.
+/// Returns `true` if `holds` is true for parts `[from, to]` that cover the segment.
 // Not generic over the condition, so that an image has the loop once.
 #[inline(never)]
 fn everywhere<T: Scalar>(holds: &mut dyn FnMut([T; 2]) -> bool) -> bool {
-    // The part number `index` of 2^`halvings` parts, from 0.
-    let (mut index, mut halvings, mut length) = (0_u32, 0, T::one());
+    let mut part = Part::default();
     loop {
-        let from = T::whole(index) * length;
-        if holds([from, from + length]) {
-            index += 1;
-            while halvings > 0 && index.is_multiple_of(2) {
-                (index, halvings, length) = (index / 2, halvings - 1, length * T::TWO);
-            }
-            if halvings == 0 {
-                return true;
-            }
-        } else if halvings == MAX_HALVINGS {
-            return false;
-        } else {
-            (index, halvings, length) = (2 * index, halvings + 1, length * T::HALF);
+        match part.judged(holds(part.ends())) {
+            Judged::Everywhere => return true,
+            Judged::Not => return false,
+            Judged::Next(next) => part = next,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The setpoints that come: each is checked, at once or in parts, and queued.
 
 use crate::Scalar;
-use crate::acceptance::{self, Refusal, Setpoint, SheetView};
+use crate::acceptance::{self, Progress, Refusal, Setpoint, SheetView};
 use crate::follower::{Follower, Reason, State};
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
@@ -17,7 +17,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         setpoint: Setpoint<T, GROUPS>,
     ) -> Result<(), Refusal> {
         self.offer(sheet, setpoint)?;
-        while !self.check_on(sheet, u16::MAX)? {}
+        while !self.check_on(sheet, u32::MAX)? {}
         Ok(())
     }
 
@@ -47,28 +47,26 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             Err(Refusal::Sequence(self.next))
         };
         checked.map_err(|refusal| self.refuse(refusal))?;
-        self.pending = Some((setpoint, 0));
+        self.pending = Some((setpoint, Progress::default()));
         Ok(())
     }
 
-    /// Goes on to check the setpoint that was [offered](Self::offer), with the bounds of at most `stars` essential
-    /// vertices. Returns `true` once it is queued.
+    /// Goes on to check the setpoint that was [offered](Self::offer), with bounds on at most `parts` parts of its segment:
+    /// one to three for each essential vertex of an ordinary segment. Returns `true` once it is queued.
+    ///
+    /// Cost of a part: about 100 multiplications by the squared number of the vertex's spokes.
     ///
     /// # Errors
     /// As [`accept`](Self::accept); the setpoint is dropped then. [`Refusal::State`] also if no setpoint is being checked,
     /// which is so once the path was dropped or the motion has failed.
-    pub fn check_on(&mut self, sheet: &SheetView<'_, T>, stars: u16) -> Result<bool, Refusal> {
-        let Some((setpoint, checked)) = &mut self.pending else {
+    pub fn check_on(&mut self, sheet: &SheetView<'_, T>, parts: u32) -> Result<bool, Refusal> {
+        let Some((setpoint, progress)) = &mut self.pending else {
             return Err(Refusal::State);
         };
         let before = self.queue.setpoints().back();
-        let some = *checked..checked.saturating_add(stars);
-        match acceptance::check_bounds(sheet, before, setpoint, some.clone()) {
+        match acceptance::check_bounds(sheet, before, setpoint, progress, parts) {
             Ok(true) => {}
-            Ok(false) => {
-                *checked = some.end;
-                return Ok(false);
-            }
+            Ok(false) => return Ok(false),
             Err(refusal) => {
                 self.pending = None;
                 return Err(self.refuse(refusal));

@@ -34,7 +34,7 @@ mod state;
 mod survey;
 
 use crate::Scalar;
-use crate::acceptance::{Setpoint, SheetView};
+use crate::acceptance::{Progress, Setpoint, SheetView};
 use crate::path_clock::PathClock;
 
 use approach::Approach;
@@ -65,8 +65,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
 
     approach: Approach<T, GROUPS>,
     queue: Queue<T, GROUPS, KNOTS>,
-    /// Setpoint that is being checked, and the number of vertices that are known to stay closed on the way to it.
-    pending: Option<(Setpoint<T, GROUPS>, u16)>,
+    /// Setpoint that is being checked, and how far its check has come.
+    pending: Option<(Setpoint<T, GROUPS>, Progress)>,
     next: u32,
     ended: bool,
 

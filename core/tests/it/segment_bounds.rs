@@ -157,7 +157,10 @@ fn vertices_are_checked_in_parts() {
         };
         assert_eq!(found, expected);
         assert_eq!((parts.room(), parts.is_checking()), (whole.room(), false));
-        assert_eq!(rounds, if expected.is_ok() { 4 } else { 1 });
+        // Each vertex of the closed segment takes one part, and a round has two. The open segment is halved five times
+        // before the answer, which takes 6 to 63 parts.
+        let bounds = if expected.is_ok() { 4..=4 } else { 3..=32 };
+        assert!(bounds.contains(&rounds), "{rounds}");
         assert_eq!(parts.check_on(&sheet, 2), Err(Refusal::State));
     }
 }

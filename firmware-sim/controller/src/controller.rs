@@ -332,7 +332,7 @@ impl<
     }
 
     /// Puts all answers due at `now`, microseconds, on the line, as far as there is room. If a setpoint is being checked,
-    /// it bounds the closure of one more essential vertex before, so that no setpoint delays a tick.
+    /// it bounds the closure of an essential vertex on one more part of the segment before, so that no setpoint delays a tick.
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         self.work();

@@ -10,9 +10,9 @@ use heapless::Vec;
 use crate::controller::Settings;
 use crate::sheet::Sheet;
 
-/// Number of essential vertices that are bounded in a round of the main loop. One of four spokes takes some ten thousand
-/// instructions, one of sixteen that is hard to bound a few million.
-const STARS: u16 = 1;
+/// Number of parts of a segment on which the closure of an essential vertex is bounded in a round of the main loop. A
+/// part takes at most some ten thousand instructions with four spokes; the cost grows with the square of the spokes.
+const PARTS: u32 = 1;
 
 /// A follower, and what the host has sent for it.
 #[derive(Debug)]
@@ -210,7 +210,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     #[inline(never)]
     pub(crate) fn check_on(&mut self) -> Result<bool, ItemRefusal> {
         let (view, _) = self.sheet.view().ok_or(ItemRefusal::Incomplete)?;
-        let checked = self.follower.check_on(&view, STARS);
+        let checked = self.follower.check_on(&view, PARTS);
         self.checks = checked == Ok(false);
         if checked == Ok(true) {
             self.staged.clear();
