@@ -110,7 +110,7 @@ mod tests {
         };
         for _ in 0..100_000 {
             let digits = (random() % 10_u64.pow(19)).to_string();
-            let digits = digits.get(..1 + (random() % 19) as usize % digits.len());
+            let digits = digits.get(..1 + usize::try_from(random() % 19).unwrap() % digits.len());
             let point = random() % 20;
             let mut text: String = if random() % 2 == 0 { "-" } else { "" }.into();
             for (place, digit) in (0..).zip(digits.unwrap().chars()) {
@@ -123,15 +123,14 @@ mod tests {
             same(&format!("0.{}", &text.replace(['-', '.'], "")));
         }
         for _ in 0..100_000 {
-            // The middle between two neighbours from 4 to 8 has 22 digits behind the point: the one above it and the one
-            // below differ by a unit of the 19th digit at most.
-            let low = f32::from_bits(0x4080_0000 + (random() as u32 >> 9));
+            // The middle between two neighbours from 4 to 8, to 18 digits behind the point, and with another last digit.
+            let low = f32::from_bits(0x4080_0000 + u32::try_from(random() % (1 << 23)).unwrap());
             let middle = f64::from(low) / 2.0 + f64::from(low.next_up()) / 2.0;
             let text = format!("{middle:.18}");
             same(&text);
             let mut digits = text.into_bytes();
             let last = digits.last_mut().unwrap();
-            *last = b'0' + (random() % 10) as u8;
+            *last = b'0' + u8::try_from(random() % 10).unwrap();
             same(&String::from_utf8(digits).unwrap());
         }
         // Ties: numbers above 2²⁴ that are odd.

@@ -401,7 +401,7 @@ mod tests {
     use super::{Flaw, HEADER, HingeMap, MapError, checked};
 
     const TEXT: &str = "# Servos.\r\n\r\nhinge,channel,zero,sign,lower,upper\r\n\
-        1 , 7, -0.25 ,-, -1.5,0.1# the second\r\n0,3,1.5708,+,-1.6,1.6\r\n#\n  2,0,0,-1,0,0";
+        1 , 7, -0.25 ,-, -1.5,0.1# the second\r\n0,3,1.57,+,-1.6,1.6\r\n#\n  2,0,0,-1,0,0";
     /// Read by the compiler.
     const MAP: HingeMap<3> = checked(HingeMap::parse(TEXT));
 
@@ -411,7 +411,7 @@ mod tests {
         let text = MAP.to_string();
         assert_eq!(
             text,
-            format!("{HEADER}\n0,3,1.5708,+,-1.6,1.6\n1,7,-0.25,-,-1.5,0.1\n2,0,0,-,0,0\n")
+            format!("{HEADER}\n0,3,1.57,+,-1.6,1.6\n1,7,-0.25,-,-1.5,0.1\n2,0,0,-,0,0\n")
         );
         let again = HingeMap::<3>::parse(&text).unwrap();
         assert_eq!((again, again.to_string()), (MAP, text));
@@ -421,7 +421,7 @@ mod tests {
     fn angles_go_to_channels_and_back() {
         let channel = |hinge| *MAP.channel(hinge).unwrap();
         assert_eq!((channel(0).channel, channel(1).channel), (3, 7));
-        assert_eq!(channel(0).raw(0.5).to_bits(), (1.5708_f32 + 0.5).to_bits());
+        assert_eq!(channel(0).raw(0.5).to_bits(), (1.57_f32 + 0.5).to_bits());
         assert_eq!(channel(1).raw(0.5).to_bits(), (-0.75_f32).to_bits());
         assert_eq!(channel(1).angle(-0.75).to_bits(), 0.5_f32.to_bits());
         assert!((channel(0).angle(channel(0).raw(0.5)) - 0.5).abs() < 1e-6);
