@@ -58,6 +58,9 @@ pub(super) fn denial(denial: Denial) -> String {
             "the hinges of group {group} are measured at different angles; --at start says that the sheet stands where \
              the path begins"
         ),
+        Denial::Range => {
+            "the angle is beyond the limits of the controller's board for this hinge".into()
+        }
     }
 }
 
