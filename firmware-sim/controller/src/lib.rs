@@ -18,6 +18,7 @@ mod fifo;
 mod loader;
 pub mod retained;
 pub mod sheet;
+pub mod stored;
 
 pub use application::{Application, Board, TICK};
 pub use controller::{Condition, Controller, FRAME, Settings, WAITING};
