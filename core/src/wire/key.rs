@@ -118,19 +118,18 @@ impl Key {
     #[must_use]
     pub fn of(&self, direction: Direction, nonces: Nonces, session: u32) -> Self {
         let mut input = [0; 22];
-        let [way, half, rest @ ..] = &mut input;
+        let [way, _, places @ ..] = &mut input;
         *way = direction as u8;
-        let numbers = nonces.host.to_le_bytes().into_iter();
-        let numbers = numbers.chain(nonces.device.to_le_bytes());
-        let numbers = numbers.chain(session.to_le_bytes());
-        rest.iter_mut()
-            .zip(numbers)
-            .for_each(|(place, byte)| *place = byte);
-        *half = 0;
-        let low = self.tag(&input);
-        let [_, half, ..] = &mut input;
-        *half = 1;
-        let high = self.tag(&input);
+        let (host, rest) = places.split_at_mut(8);
+        let (device, number) = rest.split_at_mut(8);
+        host.copy_from_slice(&nonces.host.to_le_bytes());
+        device.copy_from_slice(&nonces.device.to_le_bytes());
+        number.copy_from_slice(&session.to_le_bytes());
+        let [low, high] = [0, 1].map(|number| {
+            let [_, half, ..] = &mut input;
+            *half = number;
+            self.tag(&input)
+        });
         Self((u128::from(high) << 64 | u128::from(low)).to_le_bytes())
     }
 
