@@ -191,7 +191,8 @@ fn stream<P: Protection>(
     }
     let mut answers = cobs::Deframer::<256>::default();
     let settings = Settings::new(1, |_| ANY);
-    let mut device = Controller::<2, HINGES, 4, 16, P>::protected(settings, P::with_key(key));
+    let mut device =
+        Controller::<2, HINGES, 4, 16, P>::protected(settings, P::with_key(key.into()));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut ticks, mut setpoints, mut told) = ((0, 0), (0, 0), false);
     let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));

@@ -56,10 +56,12 @@ impl Credentials {
         channel.take(frame)
     }
 
-    /// Closes a frame of this session and uses its counter up; `None` if there is no room or no counter left.
+    /// Closes a frame of this session, of which `epoch` is the newest that was told, and uses its counter up; `None` if
+    /// there is no room or no counter left.
     pub(crate) fn close(
         &mut self,
         session: u32,
+        epoch: u8,
         buffer: &mut [u8],
         length: usize,
     ) -> Option<usize> {
@@ -68,7 +70,8 @@ impl Credentials {
             return key.close(self.upper(), buffer, length);
         }
         let (_, channel) = self.offer.as_mut()?;
-        let length = channel.close(buffer, length)?;
+        *buffer.get_mut(length)? = epoch;
+        let length = channel.close(buffer, length + 1)?;
         channel.advance();
         Some(length)
     }

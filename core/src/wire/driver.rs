@@ -207,8 +207,9 @@ impl<'a> Driver<'a> {
                 report.reason,
                 Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach | Reason::Lease
             );
-            // A controller that is ready may have a start on its way to it.
+            // A controller that is ready may have a start on its way to it, and one that holds a `Resume`.
             let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
+            let held = held && !self.sender.is_asking();
             return (under_way && !held).then_some(Command::Hold);
         }
         let recovers = match self.persistence {

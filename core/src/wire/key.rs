@@ -2,13 +2,40 @@
 //!
 //! Host and controller share a [`Key`], from which every session has two keys of its own, one for each direction: see
 //! [`Key::of`]. A frame carries a counter and a tag. A [`Channel`] is one end of a session: it takes no counter twice.
+//!
+//! A counter refuses what was taken before, but not what was kept back. The controller therefore counts [epochs](epoch) of
+//! its clock and tells them, the host repeats the newest one in each frame of a session, and a frame is
+//! [fresh](is_fresh) for at most two epochs.
 
 use core::fmt;
 
-use siphasher::sip::SipHasher24;
-
 /// Number of bytes of a counter and a tag.
 pub const TRAILER: usize = 12;
+
+/// Returns the epoch at `now`, microseconds on the controller's clock: an epoch lasts 2²¹ of them, 2.1 s. Only the lowest 8
+/// bits are told.
+#[must_use]
+pub fn epoch(now: u64) -> u32 {
+    let [a, b, c, d, ..] = (now >> 21).to_le_bytes();
+    u32::from_le_bytes([a, b, c, d])
+}
+
+/// Returns the lowest 8 bits of an epoch.
+#[must_use]
+pub fn told(epoch: u32) -> u8 {
+    let [told, ..] = epoch.to_le_bytes();
+    told
+}
+
+/// Returns `true` if a frame with these lowest bits of an epoch is fresh in the epoch `now`, in a session of which a frame
+/// was last taken, or which was offered, in the epoch `last`.
+///
+/// The bits come again after 256 epochs. A session of which nothing was taken for 128 epochs is over, because a frame that
+/// was kept back in it might seem fresh.
+#[must_use]
+pub fn is_fresh(bits: u8, now: u32, last: u32) -> bool {
+    told(now).wrapping_sub(bits) <= 1 && now.wrapping_sub(last) < 128
+}
 
 /// A key of 128 bits.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -49,14 +76,41 @@ impl Key {
     }
 
     /// Returns the SipHash-2-4 of some bytes. Cost: proportional to their number.
-    // Not inlined, so that an image has it once.
+    // Not inlined, so that an image has it once. It is written out here because it is then a third as long as that of a
+    // library, which takes its bytes in pieces of any length.
     #[inline(never)]
     #[must_use]
     pub fn tag(&self, bytes: &[u8]) -> u64 {
         let [a, b, c, d, e, f, g, h, high @ ..] = self.0;
         let low = [a, b, c, d, e, f, g, h];
         let [low, high] = [low, high].map(u64::from_le_bytes);
-        SipHasher24::new_with_keys(low, high).hash(bytes)
+        // The letters of "somepseudorandomlygeneratedbytes".
+        let mut state = [
+            low ^ 0x736f_6d65_7073_6575,
+            high ^ 0x646f_7261_6e64_6f6d,
+            low ^ 0x6c79_6765_6e65_7261,
+            high ^ 0x7465_6462_7974_6573,
+        ];
+        let (words, rest) = bytes.as_chunks::<8>();
+        // The last word ends with the length modulo 2⁸.
+        let mut last = [0; 8];
+        last.iter_mut()
+            .zip(rest)
+            .for_each(|(place, byte)| *place = *byte);
+        let [.., end] = &mut last;
+        [*end, ..] = bytes.len().to_le_bytes();
+        for word in words.iter().chain([&last]) {
+            let word = u64::from_le_bytes(*word);
+            let [.., v3] = &mut state;
+            *v3 ^= word;
+            mix(&mut state, 2);
+            let [v0, ..] = &mut state;
+            *v0 ^= word;
+        }
+        let [_, _, v2, _] = &mut state;
+        *v2 ^= 0xff;
+        mix(&mut state, 4);
+        state.iter().fold(0, |tag, part| tag ^ part)
     }
 
     /// Returns the key for one direction of a session: the tags of direction, half (0 or 1), both nonces and the session,
@@ -64,19 +118,18 @@ impl Key {
     #[must_use]
     pub fn of(&self, direction: Direction, nonces: Nonces, session: u32) -> Self {
         let mut input = [0; 22];
-        let [way, half, rest @ ..] = &mut input;
+        let [way, _, places @ ..] = &mut input;
         *way = direction as u8;
-        let numbers = nonces.host.to_le_bytes().into_iter();
-        let numbers = numbers.chain(nonces.device.to_le_bytes());
-        let numbers = numbers.chain(session.to_le_bytes());
-        rest.iter_mut()
-            .zip(numbers)
-            .for_each(|(place, byte)| *place = byte);
-        *half = 0;
-        let low = self.tag(&input);
-        let [_, half, ..] = &mut input;
-        *half = 1;
-        let high = self.tag(&input);
+        let (host, rest) = places.split_at_mut(8);
+        let (device, number) = rest.split_at_mut(8);
+        host.copy_from_slice(&nonces.host.to_le_bytes());
+        device.copy_from_slice(&nonces.device.to_le_bytes());
+        number.copy_from_slice(&session.to_le_bytes());
+        let [low, high] = [0, 1].map(|number| {
+            let [_, half, ..] = &mut input;
+            *half = number;
+            self.tag(&input)
+        });
         Self((u128::from(high) << 64 | u128::from(low)).to_le_bytes())
     }
 
@@ -97,6 +150,43 @@ impl Key {
         // One comparison of all bits: its duration tells nothing of the tag.
         (self.tag(covered) == u64::from_le_bytes(*tag))
             .then_some((u32::from_le_bytes(*counter), rest))
+    }
+}
+
+/// Mixes the state of SipHash in some rounds.
+fn mix(state: &mut [u64; 4], rounds: usize) {
+    let [mut v0, mut v1, mut v2, mut v3] = *state;
+    for _ in 0..rounds {
+        v0 = v0.wrapping_add(v1);
+        v2 = v2.wrapping_add(v3);
+        v1 = v1.rotate_left(13) ^ v0;
+        v3 = v3.rotate_left(16) ^ v2;
+        v0 = v0.rotate_left(32);
+        v2 = v2.wrapping_add(v1);
+        v0 = v0.wrapping_add(v3);
+        v1 = v1.rotate_left(17) ^ v2;
+        v3 = v3.rotate_left(21) ^ v0;
+        v2 = v2.rotate_left(32);
+    }
+    *state = [v0, v1, v2, v3];
+}
+
+/// The key that a board has stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StoredKey {
+    /// There is none: no key was ever stored as a whole.
+    #[default]
+    None,
+    /// The key.
+    Key(Key),
+    /// A key was stored and cannot be read any more. A controller takes no frames then: otherwise damage would open it to
+    /// everybody.
+    Damaged,
+}
+
+impl From<Option<Key>> for StoredKey {
+    fn from(key: Option<Key>) -> Self {
+        key.map_or(Self::None, Self::Key)
     }
 }
 
@@ -148,13 +238,23 @@ impl Channel {
         self.sent
     }
 
+    /// Returns the bytes before the counter of a frame that is taken: its tag is right, its counter is larger than all
+    /// before, and the bytes are `good`.
+    pub fn take_if<'b>(
+        &mut self,
+        frame: &'b [u8],
+        good: impl FnOnce(&'b [u8]) -> bool,
+    ) -> Option<&'b [u8]> {
+        let (counter, covered) = self.incoming.check(frame)?;
+        (counter > self.taken && good(covered)).then_some(())?;
+        self.taken = counter;
+        Some(covered)
+    }
+
     /// Returns the bytes before the counter of a frame that is taken: its tag is right, and its counter is larger than all
     /// before.
     pub fn take<'b>(&mut self, frame: &'b [u8]) -> Option<&'b [u8]> {
-        let (counter, covered) = self.incoming.check(frame)?;
-        (counter > self.taken).then_some(())?;
-        self.taken = counter;
-        Some(covered)
+        self.take_if(frame, |_| true)
     }
 
     /// Writes the next counter and a tag behind the first `length` bytes of a frame, [`TRAILER`] bytes. Returns the length of

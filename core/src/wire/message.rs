@@ -14,7 +14,7 @@ use crate::numbers::{Numbers, long, short, wide};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x9c00_e1cc;
+pub const SCHEMA: u32 = 0xcef5_8354;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -185,6 +185,8 @@ pub enum ToHost<'a> {
         /// Number that the controller has not used in any run before.
         #[serde(with = "wide")]
         nonce: u64,
+        /// Lowest bits of the controller's [epoch](crate::wire::key::epoch).
+        epoch: u8,
         /// Room of the controller.
         capacity: Capacity,
     },
@@ -235,6 +237,8 @@ pub struct Report {
     pub limit: u16,
     /// Number of frames of the session that have come, modulo 2⁸.
     pub heard: u8,
+    /// Lowest bits of the controller's [epoch](crate::wire::key::epoch).
+    pub epoch: u8,
     /// `true` if a later item came first; told once for each gap.
     pub gap: bool,
     /// Reason why the expected item was refused when it came.

@@ -5,7 +5,7 @@
 
 use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::wire::frame;
-use crate::wire::key::Key;
+use crate::wire::key::{self, Key, Nonces};
 use crate::wire::message::{
     Capacity, Command, Item, ItemRefusal, Report, SCHEMA, ToDevice, ToHost, VERSION,
 };
@@ -24,7 +24,7 @@ pub enum Event<'a> {
     Command(Command),
     /// A sign of life, as every other frame of the session is.
     Alive,
-    /// A key to take; call [`Receiver::pair`], or do nothing.
+    /// A key to take; call [`Receiver::propose`], or do nothing.
     Pair(Key),
 }
 
@@ -59,43 +59,60 @@ pub struct Identity {
     pub capacity: Capacity,
 }
 
-/// A host, and the session that was offered to it or is open.
+/// Two halves of a host's nonce: its id, and on links with a key an upper half.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Peer {
+struct Host {
     id: u32,
+    upper: u32,
+}
+
+/// A host, and the session that was offered to it or is open.
+#[derive(Clone, Copy, Debug)]
+struct Peer<S> {
+    host: Host,
     session: u32,
+    protection: S,
 }
 
 /// Answers that are due.
 #[derive(Clone, Copy, Debug, Default)]
 struct Due {
-    mismatch: Option<u32>,
-    welcome: Option<Peer>,
-    unknown: Option<u32>,
     report: bool,
+    mismatch: Option<Host>,
+    /// A host and the session that is offered to it.
+    welcome: Option<(Host, u32)>,
+    unknown: Option<u32>,
 }
 
-/// The state machine of the controller's end.
-#[derive(Clone, Debug)]
-pub struct Receiver<P = Unkeyed> {
-    identity: Identity,
-    protection: P,
-    greetings: u32,
-    offered: Option<Peer>,
-    open: Option<Peer>,
-    opened: bool,
-    due: Due,
+/// What has come in the open session.
+#[derive(Clone, Copy, Debug, Default)]
+struct Course {
     next: u16,
     heard: u8,
-    /// Gap before a later item: none, seen, or seen and already told to the host.
     gap: Gap,
     refused: Option<ItemRefusal>,
     command: u8,
     denied: Option<Denial>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The state machine of the controller's end.
+#[derive(Clone, Debug)]
+pub struct Receiver<P: Protection = Unkeyed> {
+    identity: Identity,
+    protection: P,
+    greetings: u32,
+    epoch: u32,
+    offered: Option<Peer<P::Session>>,
+    open: Option<Peer<P::Session>>,
+    opened: bool,
+    due: Due,
+    course: Course,
+}
+
+/// Gap before a later item: none, seen, or seen and already told to the host.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Gap {
+    #[default]
     None,
     Seen,
     Said,
@@ -119,16 +136,12 @@ impl<P: Protection> Receiver<P> {
             identity,
             protection,
             greetings: u32::from_le_bytes([a, b, c, d]),
+            epoch: 0,
             offered: None,
             open: None,
             opened: false,
             due: Due::default(),
-            next: 0,
-            heard: 0,
-            gap: Gap::None,
-            refused: None,
-            command: 0,
-            denied: None,
+            course: Course::default(),
         }
     }
 
@@ -143,23 +156,53 @@ impl<P: Protection> Receiver<P> {
         core::mem::take(&mut self.opened)
     }
 
+    /// Tells the time, microseconds. It is called before all that happens at that time. With room for a key, a report is due
+    /// when an [epoch](key::epoch) begins.
+    pub fn clock(&mut self, now: u64) {
+        if P::KEYED {
+            let epoch = key::epoch(now);
+            self.due.report |= epoch != self.epoch;
+            self.epoch = epoch;
+        }
+    }
+
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
         let session = frame::session(self.identity.node, bytes)?;
-        let message = frame::message(self.protection.take(session, bytes)?)?;
-        if let ToDevice::Hello {
-            version,
-            schema,
-            id,
-        } = message
-        {
-            if session == 0 {
-                self.greet(id, (version, schema) == (VERSION, SCHEMA));
+        let mut greeted = None;
+        let covered = if session == 0 {
+            let (upper, covered) = self.protection.greeting(bytes)?;
+            greeted = Some(upper);
+            covered
+        } else {
+            let open = self.session() == Some(session);
+            let peer = if open {
+                &mut self.open
+            } else {
+                &mut self.offered
+            };
+            match peer {
+                Some(peer) if peer.session == session => {
+                    P::take(&mut peer.protection, bytes, self.epoch)?
+                }
+                _ => self.protection.plain(bytes)?,
+            }
+        };
+        let message = frame::message(covered)?;
+        if let Some(upper) = greeted {
+            if let ToDevice::Hello {
+                version,
+                schema,
+                id,
+            } = message
+            {
+                self.greet(Host { id, upper }, (version, schema) == (VERSION, SCHEMA));
             }
             return None;
         }
         self.admit(session)?;
-        self.heard = self.heard.wrapping_add(1);
+        let course = &mut self.course;
+        course.heard = course.heard.wrapping_add(1);
         match message {
             ToDevice::Hello { .. } => None,
             ToDevice::Pair(key) => Some(match <[u8; Key::SIZE]>::try_from(key) {
@@ -173,8 +216,14 @@ impl<P: Protection> Receiver<P> {
             ToDevice::Item { sequence, item } => Some(self.item(sequence, item, room)),
             ToDevice::Command { number, command } => {
                 self.due.report = true;
-                let new = number == self.command.wrapping_add(1);
+                // A `Hold` does not wait for the command before it, which counts no more then.
+                let new = match number.wrapping_sub(course.command) {
+                    1 => true,
+                    2..=127 => command == Command::Hold,
+                    _ => false,
+                };
                 Some(if new {
+                    course.command = number;
                     Event::Command(command)
                 } else {
                     Event::Alive
@@ -183,24 +232,35 @@ impl<P: Protection> Receiver<P> {
         }
     }
 
-    fn greet(&mut self, id: u32, understood: bool) {
+    #[inline(never)]
+    fn greet(&mut self, host: Host, understood: bool) {
         if !understood {
-            self.due.mismatch = Some(id);
+            self.due.mismatch = Some(host);
             return;
         }
         // A repeated greeting gets the same session again.
-        let known = [self.open, self.offered].into_iter().flatten();
-        let known = { known }.find(|peer| peer.id == id && self.protection.knows(peer.session));
-        if let Some(peer) = known.or_else(|| self.offer(id)) {
-            self.due.welcome = Some(peer);
+        let known = [&self.open, &self.offered].into_iter().flatten();
+        let known = { known }.find(|peer| peer.host == host);
+        let session = known.map(|peer| peer.session);
+        if let Some(session) = session.or_else(|| self.offer(host)) {
+            self.due.welcome = Some((host, session));
         }
     }
 
     /// Offers a new session to a host, if there is one left.
-    fn offer(&mut self, id: u32) -> Option<Peer> {
-        let session = self.fresh(id);
-        let offers = self.protection.offer(id, self.identity.nonce, session);
-        offers.then(|| *self.offered.insert(Peer { id, session }))
+    fn offer(&mut self, host: Host) -> Option<u32> {
+        let session = self.fresh(host.id);
+        let nonces = Nonces {
+            host: u64::from(host.upper) << 32 | u64::from(host.id),
+            device: self.identity.nonce,
+        };
+        let protection = self.protection.offer(nonces, session, self.epoch)?;
+        self.offered = Some(Peer {
+            host,
+            session,
+            protection,
+        });
+        Some(session)
     }
 
     /// Returns a new session for a host: neither 0 nor the open one.
@@ -224,26 +284,20 @@ impl<P: Protection> Receiver<P> {
             self.due.unknown = Some(session);
             return None;
         };
-        let (greetings, due) = (self.greetings, self.due);
-        self.protection.begin();
-        *self = Self::protected(self.identity, self.protection.clone());
-        self.greetings = greetings;
-        (self.open, self.opened) = (Some(peer), true);
-        self.due = Due {
-            report: true,
-            ..due
-        };
+        (self.open, self.offered) = (Some(peer), None);
+        (self.opened, self.due.report) = (true, true);
+        self.course = Course::default();
         Some(())
     }
 
     fn item<'b>(&mut self, sequence: u16, item: Item<'b>, room: u16) -> Event<'b> {
-        match ahead(sequence, self.next) {
+        match ahead(sequence, self.course.next) {
             0 if room > 0 => return Event::Item(item),
             // The item came before, and its acknowledgement was lost; or there is no room.
             ..=0 => self.due.report = true,
             // Items behind a refused one are dropped: they are no gap.
-            _ if self.gap == Gap::None && self.refused.is_none() => {
-                self.gap = Gap::Seen;
+            _ if self.course.gap == Gap::None && self.course.refused.is_none() => {
+                self.course.gap = Gap::Seen;
                 self.due.report = true;
             }
             _ => {}
@@ -253,21 +307,31 @@ impl<P: Protection> Receiver<P> {
 
     /// Notes that the item was taken.
     pub fn took(&mut self) {
-        self.next = self.next.wrapping_add(1);
-        (self.gap, self.refused) = (Gap::None, None);
+        self.course.next = self.course.next.wrapping_add(1);
+        (self.course.gap, self.course.refused) = (Gap::None, None);
         self.due.report = true;
     }
 
     /// Notes that the item was refused. It stays the one that is expected.
     pub fn refuse(&mut self, refusal: ItemRefusal) {
-        self.refused = Some(refusal);
+        self.course.refused = Some(refusal);
         self.due.report = true;
     }
 
     /// Notes that the command was carried out or denied.
     pub fn answer(&mut self, result: Result<(), Denial>) {
-        self.command = self.command.wrapping_add(1);
-        self.denied = result.err();
+        self.course.denied = result.err();
+    }
+
+    /// Keeps a key until it was asked for, if there is room for a key and none is there yet.
+    pub fn propose(&mut self, key: Key) {
+        self.protection.propose(key);
+    }
+
+    /// Returns a key that was proposed since the last call, for memory that keeps it without power. Once it is there, it has
+    /// to be [taken](Self::pair).
+    pub fn proposed(&mut self) -> Option<Key> {
+        self.protection.proposed()
     }
 
     /// Takes a key and ends the session, if there is room for a key and none is there yet. Returns `true` if the key was
@@ -275,37 +339,40 @@ impl<P: Protection> Receiver<P> {
     pub fn pair(&mut self, key: Key) -> bool {
         let taken = self.protection.pair(key);
         if taken {
-            *self = Self::protected(self.identity, self.protection.clone());
+            (self.open, self.offered) = (None, None);
+            self.due = Due::default();
         }
         taken
-    }
-
-    /// Returns a key that was taken since the last call, for memory that keeps it without power.
-    pub fn new_key(&mut self) -> Option<Key> {
-        self.protection.new_key()
     }
 
     /// Writes a frame of the open session with a message that is no answer, and returns it; `None` if there is no room. Call
     /// [`posted`](Self::posted) when it is on its way.
     pub fn post<'b>(&self, message: &ToHost<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-        self.seal(self.session()?, message, buffer)
+        self.seal(self.session()?, 0, message, buffer)
     }
 
     /// Notes that the frame of [`post`](Self::post) is on its way.
     pub fn posted(&mut self) {
-        if let Some(session) = self.session() {
-            self.protection.advance(session);
+        if let Some(peer) = &mut self.open {
+            P::advance(&mut peer.protection);
         }
     }
 
+    /// Writes a frame of the open session, or an answer for the host with this upper half of its nonce.
+    #[inline(never)]
     fn seal<'b>(
         &self,
         session: u32,
+        upper: u32,
         message: &ToHost<'_>,
         buffer: &'b mut [u8],
     ) -> Option<&'b [u8]> {
         let length = frame::write(self.identity.node, session, message, buffer)?;
-        let length = self.protection.close(session, buffer, length)?;
+        let open = self.open.as_ref().filter(|peer| peer.session == session);
+        let length = match open {
+            Some(peer) => P::close(&peer.protection, buffer, length)?,
+            None => self.protection.close_greeting(upper, buffer, length)?,
+        };
         buffer.get(..length)
     }
 
@@ -314,60 +381,68 @@ impl<P: Protection> Receiver<P> {
         self.due.report = self.open.is_some();
     }
 
+    /// Returns `true` if the next answer is a report, which goes before all others. The others are for hosts that have no
+    /// session, and should leave room on the line.
+    #[must_use]
+    pub fn reports(&self) -> bool {
+        self.due.report && self.open.is_some()
+    }
+
     /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent).
     pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
         let Identity {
             nonce, capacity, ..
         } = self.identity;
-        if let Some(id) = self.due.mismatch {
+        if let Some(session) = self.session()
+            && self.due.report
+        {
+            let message = ToHost::Report(self.report(status));
+            self.seal(session, 0, &message, buffer)
+        } else if let Some(Host { id, upper }) = self.due.mismatch {
             let (version, schema) = (VERSION, SCHEMA);
             let message = ToHost::Mismatch {
                 id,
                 version,
                 schema,
             };
-            self.seal(0, &message, buffer)
-        } else if let Some(Peer { id, session }) = self.due.welcome {
+            self.seal(0, upper, &message, buffer)
+        } else if let Some((Host { id, upper }, session)) = self.due.welcome {
             let message = ToHost::Welcome {
                 id,
                 session,
                 nonce,
+                epoch: key::told(self.epoch),
                 capacity,
             };
-            self.seal(0, &message, buffer)
-        } else if let Some(session) = self.due.unknown {
-            self.seal(session, &ToHost::Unknown, buffer)
-        } else if let Some(peer) = self.open.filter(|_| self.due.report) {
-            let message = ToHost::Report(self.report(status));
-            self.seal(peer.session, &message, buffer)
+            self.seal(0, upper, &message, buffer)
         } else {
-            None
+            self.seal(self.due.unknown?, 0, &ToHost::Unknown, buffer)
         }
     }
 
     /// Notes that the answer of [`poll`](Self::poll) is on its way.
     pub fn sent(&mut self) {
-        if self.due.mismatch.take().is_none()
-            && self.due.welcome.take().is_none()
-            && self.due.unknown.take().is_none()
-        {
+        if self.reports() {
             self.posted();
             self.due.report = false;
-            if self.gap == Gap::Seen {
-                self.gap = Gap::Said;
+            if self.course.gap == Gap::Seen {
+                self.course.gap = Gap::Said;
             }
+        } else if self.due.mismatch.take().is_none() && self.due.welcome.take().is_none() {
+            self.due.unknown = None;
         }
     }
 
     fn report(&self, status: &Status) -> Report {
         Report {
-            next: self.next,
-            limit: self.next.wrapping_add(status.room),
-            heard: self.heard,
-            gap: self.gap == Gap::Seen,
-            refused: self.refused,
-            command: self.command,
-            denied: self.denied,
+            next: self.course.next,
+            limit: self.course.next.wrapping_add(status.room),
+            heard: self.course.heard,
+            epoch: key::told(self.epoch),
+            gap: self.course.gap == Gap::Seen,
+            refused: self.course.refused,
+            command: self.course.command,
+            denied: self.course.denied,
             state: status.state,
             reason: status.reason,
             place: status.place,

@@ -31,7 +31,7 @@ pub struct Options {
     pub max_retry: u64,
     /// Longest time between two frames, if the last frame was answered.
     pub alive: u64,
-    /// Silence of the controller after which the host gives up.
+    /// Time after which the host gives up if no report has told that one more of its frames has come.
     pub silence: u64,
 }
 
@@ -72,7 +72,7 @@ pub enum Failure {
     },
     /// The controller no longer knows the session: it was reset, or another host has come.
     Lost,
-    /// The controller is silent.
+    /// The controller is silent, or hears nothing.
     Silent,
 }
 
@@ -141,12 +141,16 @@ pub struct Sender {
     trips: RoundTrips,
     /// Time of the first greeting, microseconds.
     greeted: Option<u64>,
+    /// Time of the first frame since a report has told of one more, microseconds.
+    asked: Option<u64>,
     /// Time when the controller last took an item, or when the oldest item under way was sent, microseconds.
     progress: u64,
     sent: Option<u64>,
     /// `true` if a report has told of one more frame since the last frame was sent.
     answered: bool,
     heard: Option<u64>,
+    /// Newest epoch that the controller has told.
+    epoch: u8,
     number: u8,
     pending: Option<Pending>,
     answer: Option<Result<(), Denial>>,
@@ -172,10 +176,12 @@ impl Sender {
             repeated: 0,
             trips: RoundTrips::default(),
             greeted: None,
+            asked: None,
             progress: 0,
             sent: None,
             answered: false,
             heard: None,
+            epoch: 0,
             number: 0,
             pending: None,
             answer: None,
@@ -232,15 +238,31 @@ impl Sender {
         self.capacity
     }
 
-    /// Asks for a command; returns `false` while the command before has not been answered.
+    /// Asks for a command; returns `false` while the command before has not been answered. [`Command::Hold`] does not wait for
+    /// another one, and takes its place.
+    ///
+    /// Until `Hold` is answered, nothing else is sent in the open session: if it does not come through, the motion holds
+    /// because the controller hears nothing.
     pub fn command(&mut self, command: Command) -> bool {
-        let free = self.pending.is_none();
+        let free = !self.holds() && (self.pending.is_none() || command == Command::Hold);
         if free {
             self.number = self.number.wrapping_add(1);
             let sent = None;
             (self.pending, self.answer) = (Some(Pending { command, sent }), None);
         }
         free
+    }
+
+    /// Returns `true` while `Hold` is on its way.
+    fn holds(&self) -> bool {
+        let pending = self.pending.as_ref();
+        pending.is_some_and(|pending| pending.command == Command::Hold)
+    }
+
+    /// Returns `true` while a command is on its way.
+    #[must_use]
+    pub fn is_asking(&self) -> bool {
+        self.pending.is_some()
     }
 
     /// Returns the result of the last command; `None` while it is on its way.
@@ -266,27 +288,30 @@ impl Sender {
         scratch: &mut [u8],
         buffer: &'b mut [u8],
     ) -> Option<&'b [u8]> {
-        let heard = *self.heard.get_or_insert(now);
+        let since = |then: Option<u64>| now.saturating_sub(then.unwrap_or(now));
         if matches!(self.phase, Phase::Failed(_)) {
             return None;
         }
-        if now.saturating_sub(heard) > self.options.silence {
+        // Frames from the controller do not count: they come as well if somebody keeps those of the host back, or keeps a
+        // session from beginning.
+        if since(self.asked) > self.options.silence {
             self.phase = Phase::Failed(Failure::Silent);
             return None;
         }
         // A controller with a key does not answer frames of a session that it does not know.
         if self.phase == Phase::Offered
             && self.credentials.is_some()
-            && now.saturating_sub(heard) > self.options.max_retry
+            && since(self.heard) > self.options.max_retry
         {
             self.phase = Phase::Greeting;
         }
         let (session, message) = self.message(now, source, scratch)?;
         (self.sent, self.answered) = (Some(now), false);
+        self.asked = self.asked.or(Some(now));
         let length = frame::write(self.options.node, session, &message, buffer)?;
         let length = match &mut self.credentials {
             None => frame::close(buffer, length)?,
-            Some(credentials) => credentials.close(session, buffer, length)?,
+            Some(credentials) => credentials.close(session, self.epoch, buffer, length)?,
         };
         buffer.get(..length)
     }
@@ -323,6 +348,9 @@ impl Sender {
             pending.sent = Some(now);
             let command = pending.command;
             return Some((self.session, ToDevice::Command { number, command }));
+        }
+        if self.phase == Phase::Open && self.holds() {
+            return None;
         }
         if self.phase == Phase::Open
             && let Some((sequence, item)) = self.item(now, source, scratch)
@@ -391,6 +419,7 @@ impl Sender {
                 id,
                 session: offer,
                 nonce,
+                epoch,
                 capacity,
             } => {
                 let mine = session == 0 && id == self.id && self.phase == Phase::Greeting;
@@ -399,6 +428,7 @@ impl Sender {
                     credentials.welcome(nonce, offer);
                 }
                 (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
+                self.epoch = epoch;
                 self.capacity = Some(capacity);
                 if let Some(greeted) = self.greeted.filter(|_| self.trips.repeated == 0) {
                     self.trips.measure(now.saturating_sub(greeted));
@@ -410,7 +440,11 @@ impl Sender {
                 Phase::Open => self.phase = Phase::Failed(Failure::Lost),
                 _ => return None,
             },
-            ToHost::Report(report) => self.learn(report, now)?,
+            ToHost::Report(report) => {
+                // On a link with a key, reports come in the order in which they were sent.
+                self.epoch = report.epoch;
+                self.learn(report, now)?;
+            }
             ToHost::Telemetry { .. } | ToHost::Measured { .. } => {}
         }
         self.heard = Some(now);
@@ -428,7 +462,9 @@ impl Sender {
         if self.trips.measured.is_some() {
             self.trips.repeated = 0;
         }
-        self.answered |= self.report.is_none_or(|last| last.heard != report.heard);
+        if self.report.is_none_or(|last| last.heard != report.heard) {
+            (self.answered, self.asked) = (true, None);
+        }
         if self.phase == Phase::Offered {
             self.phase = Phase::Open;
         }

@@ -1,7 +1,7 @@
 //! Links with a key: the tags of the reference, the keys of sessions, and counters.
 
 use foldpath_core::wire::frame;
-use foldpath_core::wire::key::{Channel, Direction, Key, Nonces};
+use foldpath_core::wire::key::{self, Channel, Direction, Key, Nonces};
 use foldpath_core::wire::message::{Capacity, Command, ToDevice, ToHost};
 use foldpath_test_support::Random;
 use rand_core::Rng;
@@ -155,10 +155,17 @@ fn there_has_to_be_room_for_counter_and_tag() {
 
 /// Returns the bytes of a frame that ends with this counter and the tag of `key`. They are made from a frame without a key,
 /// which begins in the same way.
-fn tagged(session: u32, message: &impl Serialize, counter: u32, key: &Key) -> Vec<u8> {
+fn tagged(
+    session: u32,
+    message: &impl Serialize,
+    epoch: Option<u8>,
+    counter: u32,
+    key: &Key,
+) -> Vec<u8> {
     let mut buffer = [0; 64];
     let plain = frame::seal(session, message, &mut buffer).unwrap();
     let mut bytes = plain[..plain.len() - 4].to_vec();
+    bytes.extend(epoch);
     bytes.extend(counter.to_le_bytes());
     let tag = key.tag(&bytes);
     bytes.extend(tag.to_le_bytes());
@@ -184,6 +191,7 @@ fn the_protocols_frames_with_a_key_are_as_they_are() {
         id,
         session: 6,
         nonce: 300,
+        epoch: 4,
         capacity: Capacity {
             groups: 2,
             hinges: 1104,
@@ -195,8 +203,8 @@ fn the_protocols_frames_with_a_key_are_as_they_are() {
         number: 1,
         command: Command::Start,
     };
-    let hello = tagged(0, &hello, 9, &greetings[0]);
-    let start = tagged(6, &start, 1, &session[0]);
+    let hello = tagged(0, &hello, None, 9, &greetings[0]);
+    let start = tagged(6, &start, Some(4), 1, &session[0]);
     let lines = [
         (key().bytes().to_vec(), "shared key"),
         (
@@ -209,11 +217,14 @@ fn the_protocols_frames_with_a_key_are_as_they_are() {
             "key of greetings of the controller",
         ),
         (
-            tagged(0, &welcome, 9, &greetings[1]),
+            tagged(0, &welcome, None, 9, &greetings[1]),
             "Welcome of the controller of nonce 300, which offers session 6",
         ),
         (session[0].bytes().to_vec(), "key of session 6, of the host"),
-        (start.clone(), "Command 1, Start, with counter 1"),
+        (
+            start.clone(),
+            "Command 1, Start, in epoch 4, with counter 1",
+        ),
         (
             session[1].bytes().to_vec(),
             "key of session 6, of the controller",
@@ -224,4 +235,25 @@ fn the_protocols_frames_with_a_key_are_as_they_are() {
 
     let mut end = Channel::new(&key(), to_host, nonces, 6, 0);
     assert_eq!(end.take(&start), Some(&start[..start.len() - 12]));
+}
+
+/// A frame is fresh in the epoch that it tells and in the next one, whatever their lowest bits are, unless its session was
+/// silent for so long that the bits may have come again.
+#[test]
+fn a_frame_is_fresh_for_two_epochs() {
+    for first in [0, 1, 127, 254, 255, 256, 300, u32::MAX - 600] {
+        let bits = key::told(first);
+        for later in 0..600 {
+            let now = first + later;
+            let silent = key::is_fresh(bits, now, first);
+            assert_eq!(silent, later <= 1, "{first}, {later} later");
+            let alive = key::is_fresh(bits, now, now);
+            assert_eq!(alive, later % 256 <= 1, "{first}, {later} later");
+        }
+        // The frame is not of a later epoch.
+        assert!(!key::is_fresh(bits.wrapping_add(1), first, first));
+    }
+    assert_eq!(key::epoch(0), 0);
+    assert_eq!([(1 << 21) - 1, 1 << 21].map(key::epoch), [0, 1]);
+    assert_eq!(key::told(key::epoch(300 << 21)), 44);
 }

@@ -6,7 +6,7 @@
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
-use foldpath_core::wire::key::Key;
+use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 
 use crate::controller::{Condition, Controller, Settings};
@@ -48,13 +48,18 @@ pub trait Board {
     /// Reads bytes from byte `at` on of record 0 or 1, whatever its memory held at the start.
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]);
     /// Returns the key that was stored, if this board has one. Called once at the start of a controller that has room for a
-    /// key.
-    fn key(&mut self) -> Option<Key> {
-        None
+    /// key. A key that cannot be read any more is [`StoredKey::Damaged`] and never [`StoredKey::None`], which would open the
+    /// controller to everybody; [`stored::open`](crate::stored::open) tells them apart.
+    fn key(&mut self) -> StoredKey {
+        StoredKey::None
     }
-    /// Stores the key that a host has set, in memory that keeps it without power. Called at rest, and only if
-    /// [`Settings::pairs`] allows it.
-    fn store_key(&mut self, _: &Key) {}
+    /// Stores the key that a host has set, in memory that keeps it without power, and returns `true` if it can be read from
+    /// there. Called at rest, and only if [`Settings::pairs`] allows it. A key is stored as a whole or not at all, wherever
+    /// the power goes: [`stored::words`](crate::stored::words) are written in their order into memory that was erased before.
+    /// Nothing else runs meanwhile, so that the watchdog's time is the longest that this may take.
+    fn store_key(&mut self, _: &Key) -> bool {
+        false
+    }
     /// Keeps the watchdog from resetting the board for a while longer.
     fn feed(&mut self);
 }
@@ -68,7 +73,7 @@ pub struct Application<
     const HINGES: usize,
     const SPOKES: usize,
     const KNOTS: usize,
-    P = Unkeyed,
+    P: Protection = Unkeyed,
 > {
     board: B,
     line: L,
@@ -97,7 +102,8 @@ where
     /// motion or the motion had failed, that is still so. Does not compile if the board's records are too small.
     ///
     /// With room for a key ([`Keyed`](foldpath_core::wire::protection::Keyed)) the controller has the key that the board
-    /// has stored. If there is none, it takes frames of any host, and takes a key if [`Settings::pairs`] allows it.
+    /// has stored. If there is none, it takes frames of any host, and takes a key if [`Settings::pairs`] allows it. If the key
+    /// is damaged, it takes nothing.
     // Inlined, as are the constructors that it calls: otherwise the controller is built on the stack and moved from
     // there.
     #[inline(always)]
@@ -110,11 +116,16 @@ where
             );
         }
         let kept = latest::<GROUPS>(&mut board);
-        let key = if P::KEYED { board.key() } else { None };
+        let key = if P::KEYED {
+            board.key()
+        } else {
+            StoredKey::None
+        };
         let protection = P::with_key(key);
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
-        // A warm reset may leave the board's own number as it was.
-        let nonce = settings.nonce.wrapping_add(u64::from(starts) << 32);
+        // A warm reset may leave the board's own number as it was. If that is a count below the number of the chip, both
+        // stay apart from these bits.
+        let nonce = settings.nonce ^ u64::from(starts.reverse_bits());
         Self {
             board,
             line,
@@ -208,9 +219,11 @@ where
             }
             let [byte] = byte;
             self.device.byte(byte, now);
-            // Before any answer leaves: a controller that answers with its key has stored it.
-            if let Some(key) = self.device.new_key() {
-                self.board.store_key(&key);
+            // A controller that answers with its key has stored it.
+            if let Some(key) = self.device.proposed_key()
+                && self.board.store_key(&key)
+            {
+                self.device.pair(key);
             }
             self.watch();
         }

@@ -27,6 +27,9 @@ pub const FRAME: usize = 256;
 pub const WAITING: usize = 512;
 /// Bytes of the ring that telemetry leaves free for answers: four reports.
 const RESERVE: usize = 4 * cobs::longest(64);
+/// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
+/// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
+const GREETINGS: u64 = 50_000;
 /// Largest number of groups in a message of telemetry.
 const TOLD: usize = 48;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
@@ -45,8 +48,9 @@ pub struct Settings {
     pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
-    /// Number that tells this run from all other runs of the controller: a random number of the hardware, or a count in
-    /// memory that keeps it without power. With a number that comes again, bytes that somebody recorded move the sheet.
+    /// Number that tells this run from all other runs of the controller, and from the runs of controllers that have the same
+    /// key: a random number of the hardware; or a count in memory that keeps it without power, with the number of the chip
+    /// in the upper half. With a number that comes again, bytes that somebody recorded move the sheet.
     pub nonce: u64,
     /// Returns the limits of a hinge, with the sign of the hinge itself. No message widens them.
     pub limits: fn(hinge: u32) -> GroupLimits,
@@ -102,7 +106,7 @@ pub struct Controller<
     const HINGES: usize,
     const SPOKES: usize,
     const KNOTS: usize,
-    P = Unkeyed,
+    P: Protection = Unkeyed,
 > {
     settings: Settings,
     loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
@@ -117,6 +121,8 @@ pub struct Controller<
     telemetry: u64,
     asks: bool,
     asked: u64,
+    /// Time of the last answer that was no report.
+    greeted: Option<u64>,
     snapshot: Snapshot<GROUPS>,
     window: Window,
 }
@@ -141,7 +147,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     #[inline(always)]
     #[must_use]
     pub fn keyed(settings: Settings, key: Option<Key>) -> Self {
-        Self::protected(settings, Keyed::with_key(key))
+        Self::protected(settings, Keyed::new(key))
     }
 }
 
@@ -179,6 +185,7 @@ impl<
             telemetry: 0,
             asks: false,
             asked: 0,
+            greeted: None,
             snapshot: Snapshot::none(),
             window: Window::new(),
         }
@@ -274,6 +281,7 @@ impl<
         let Some(frame) = deframer.push(byte) else {
             return;
         };
+        receiver.clock(now);
         let event = receiver.receive(frame, loader.room());
         if receiver.opened() {
             loader.enter();
@@ -291,7 +299,7 @@ impl<
                 let follower = &loader.follower;
                 let rests = follower.state() != State::Running && follower.rate() <= 0.0;
                 if self.settings.pairs && rests {
-                    receiver.pair(key);
+                    receiver.propose(key);
                 }
             }
             Event::Item(item) => settle(receiver, loader.take(item, &self.settings)),
@@ -324,9 +332,15 @@ impl<
         }
     }
 
-    /// Returns a key that was set since the last call, which the board has to store.
-    pub fn new_key(&mut self) -> Option<Key> {
-        self.receiver.new_key()
+    /// Returns a key that a host has sent since the last call, which the board has to store. Only then it is
+    /// [taken](Self::pair).
+    pub fn proposed_key(&mut self) -> Option<Key> {
+        self.receiver.proposed()
+    }
+
+    /// Takes a key that is stored, and ends the session.
+    pub fn pair(&mut self, key: Key) {
+        self.receiver.pair(key);
     }
 
     /// Sets the level of the stop line.
@@ -402,6 +416,7 @@ impl<
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         self.work();
+        self.receiver.clock(now);
         let follower = &self.loader.follower;
         let (state, reason) = (follower.state(), follower.reason());
         let room = follower.room();
@@ -426,8 +441,17 @@ impl<
         };
         let mut buffer = [0; FRAME];
         while let Some(frame) = self.receiver.poll(&status, &mut buffer) {
-            if !self.ring.add(frame, 0) {
+            let reports = self.receiver.reports();
+            let since = |then| now.saturating_sub(then);
+            let early = self.greeted.is_some_and(|then| since(then) < GREETINGS);
+            if P::KEYED && !reports && early {
+                break;
+            }
+            if !self.ring.add(frame, if reports { 0 } else { RESERVE }) {
                 return;
+            }
+            if !reports {
+                self.greeted = Some(now);
             }
             self.receiver.sent();
             self.told = Some((state, reason, room, stopped));

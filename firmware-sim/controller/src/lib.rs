@@ -23,6 +23,7 @@ mod loader;
 pub mod map;
 pub mod retained;
 pub mod sheet;
+pub mod stored;
 mod window;
 
 pub use application::{Application, Board, TICK};

@@ -6,13 +6,13 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
-use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Settings};
+use foldpath_controller::{retained, stored};
 use foldpath_core::follower::{FollowerPosition, Measurement, Target};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
-use foldpath_core::wire::key::Key;
+use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::wire::message::Report;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
@@ -108,8 +108,17 @@ pub(crate) struct Bench {
     pub(crate) limp: bool,
     /// Returns the measured angle of a hinge from its number, its command, and the angle at which it stands.
     pub(crate) sensor: Option<Sensor>,
-    /// The key that was stored. Neither a reset nor a loss of power changes it.
-    pub(crate) key: Option<Key>,
+    /// Flash for the key, which is 0 when it is erased. Neither a reset nor a loss of power changes it.
+    pub(crate) flash: [u32; stored::WORDS],
+    /// Number of words that can still be written before the flash fails, if it fails.
+    pub(crate) writes: Option<usize>,
+}
+
+impl Bench {
+    /// Returns the key that is stored.
+    pub(crate) fn key(&self) -> StoredKey {
+        stored::open(&self.flash, 0)
+    }
 }
 
 pub(crate) type Sensor = fn(u32, Option<f32>, f32) -> f32;
@@ -170,15 +179,28 @@ impl Board for Shared {
         bytes.copy_from_slice(&record[at..at + bytes.len()]);
     }
 
-    fn key(&mut self) -> Option<Key> {
-        self.0.borrow().key
+    fn key(&mut self) -> StoredKey {
+        stored::open(&self.0.borrow().flash, 0)
     }
 
-    fn store_key(&mut self, key: &Key) {
-        let mut bench = self.0.borrow_mut();
-        assert_eq!(bench.key.replace(*key), None);
-        // No answer that tells of the key has left before.
-        assert!(bench.sent.is_empty());
+    fn store_key(&mut self, key: &Key) -> bool {
+        {
+            let mut bench = self.0.borrow_mut();
+            let Bench {
+                flash,
+                writes,
+                sent,
+                ..
+            } = &mut *bench;
+            assert_eq!(flash[stored::WORDS - 1], 0);
+            // No answer that tells of the key has left before.
+            assert!(sent.is_empty());
+            let left = writes.unwrap_or(stored::WORDS);
+            for (place, word) in flash.iter_mut().zip(stored::words(key)).take(left) {
+                *place = word;
+            }
+        }
+        self.key() == StoredKey::Key(*key)
     }
 
     fn feed(&mut self) {
@@ -225,7 +247,7 @@ impl Write for Shared {
 }
 
 /// A board with a controller of at most `G` groups.
-pub(crate) struct Machine<const G: usize, P = Unkeyed> {
+pub(crate) struct Machine<const G: usize, P: Protection = Unkeyed> {
     pub(crate) bench: Shared,
     pub(crate) controller: Box<Application<Shared, Shared, G, 282, 16, 16, P>>,
     /// Bytes that hosts have sent.

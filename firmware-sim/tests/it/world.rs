@@ -89,7 +89,7 @@ impl<'a> Host<'a> {
 }
 
 /// Hosts, both directions of the line and a controller, which run together in virtual time.
-pub(crate) struct World<'a, P = Unkeyed> {
+pub(crate) struct World<'a, P: Protection = Unkeyed> {
     pub(crate) now: u64,
     pub(crate) hosts: Vec<Host<'a>>,
     pub(crate) up: Line<Random>,
@@ -110,6 +110,8 @@ pub(crate) struct World<'a, P = Unkeyed> {
     pub(crate) held: Vec<Reason>,
     /// Frames of the hosts as they go on the line, while somebody listens.
     pub(crate) tap: Option<Vec<Vec<u8>>>,
+    /// Returns `true` for frames of hosts, as they go on the line, that somebody takes away.
+    pub(crate) steals: fn(&[u8]) -> bool,
     outgoing: Vec<u8>,
     before: Option<[f32; 2]>,
     rates: [f32; 2],
@@ -146,6 +148,7 @@ impl<'a, P: Protection> World<'a, P> {
             torn: 0.0,
             held: Vec::new(),
             tap: None,
+            steals: |_| false,
             outgoing: Vec::new(),
             before: None,
             rates: [0.0; 2],
@@ -168,7 +171,9 @@ impl<'a, P: Protection> World<'a, P> {
                 let Some(bytes) = host.poll(self.now) else {
                     break;
                 };
-                self.up.write(&bytes, self.now);
+                if !(self.steals)(&bytes) {
+                    self.up.write(&bytes, self.now);
+                }
                 if let Some(tap) = &mut self.tap {
                     tap.push(bytes);
                 }

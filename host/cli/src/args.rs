@@ -950,6 +950,9 @@ pub(crate) struct Pair {
     #[arg(long, value_name = "CONTROLLER")]
     pub(crate) to: Target,
     /// File of the key: 32 hexadecimal digits
+    ///
+    /// If there is none, it is made with a random key. Make one for each controller: frames that were recorded with one
+    /// controller could move another that has the same key and comes to the same nonce.
     #[arg(long, value_name = "FILE")]
     pub(crate) key: PathBuf,
     /// Speed of a serial line, baud

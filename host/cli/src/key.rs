@@ -1,36 +1,66 @@
 //! Files of keys, and numbers that are used once.
 
-use core::hash::{BuildHasher, Hasher};
 use std::fs;
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
 use foldpath_core::wire::key::Key;
 
-use crate::CliError;
 use crate::standard::is_standard;
+use crate::{CliError, say};
 
-/// Largest number of bytes that are read from stdin; a key has 32 digits.
+/// Largest number of bytes that are read; a key has 32 digits.
 const MAX_BYTES: u64 = 1024;
 
-/// Returns a number that other runs are unlikely to have had.
-pub(crate) fn nonce() -> u64 {
-    // The standard library keys its hashes at random.
-    let hasher = std::collections::hash_map::RandomState::new().build_hasher();
-    hasher.finish()
+/// Returns a random number of the operating system.
+///
+/// # Errors
+/// If the operating system has none.
+pub(crate) fn nonce() -> io::Result<u64> {
+    getrandom::u64().map_err(io::Error::other)
 }
 
 /// Reads the key in a file, or from stdin: 32 hexadecimal digits and white space.
 ///
 /// # Errors
 /// If the file cannot be read or holds something else.
-pub(crate) fn read(path: &Path) -> Result<Key, CliError> {
+pub(crate) fn read(path: &Path, quiet: bool) -> Result<Key, CliError> {
     if is_standard(path) {
-        let mut bytes = Vec::new();
-        let read = io::stdin().lock().take(MAX_BYTES).read_to_end(&mut bytes);
-        return parse(path, read.map(|_| bytes));
+        return parse(path, limited(io::stdin().lock()));
     }
-    parse(path, fs::read(path))
+    let key = parse(path, stored(path))?;
+    if !quiet {
+        warn(path);
+    }
+    Ok(key)
+}
+
+/// Reads the bytes of a file.
+fn stored(path: &Path) -> io::Result<Vec<u8>> {
+    limited(fs::File::open(path)?)
+}
+
+/// Says so if others can read the file of a key.
+fn warn(path: &Path) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let data = fs::metadata(path);
+        if data.is_ok_and(|data| data.is_file() && data.permissions().mode() & 0o044 != 0) {
+            say(&format!(
+                "note: --key: others can read {}; whoever has the key moves the sheet",
+                path.display()
+            ));
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+}
+
+fn limited(from: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Reads the key in a file, or makes the file with a random key. Returns `true` if the file was made.
@@ -42,7 +72,7 @@ pub(crate) fn read_or_make(path: &Path) -> Result<(Key, bool), CliError> {
         let text = "--key: expected the name of a file that keeps the key, found -";
         return Err(CliError::Usage(text.into()));
     }
-    match fs::read(path) {
+    match stored(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             // The text of the error would name a temporary file.
             let key = make(path).map_err(|error| unusable(path, &error.kind().into()))?;
@@ -59,6 +89,11 @@ fn parse(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<Key, CliError> {
     // Digits alone: a sign would be read as part of a number.
     let digits = text.len() == 2 * Key::SIZE && text.bytes().all(|byte| byte.is_ascii_hexdigit());
     match u128::from_str_radix(text, 16) {
+        Ok(0) if digits => {
+            let path = path.display();
+            let text = format!("--key: {path}: expected a key that is not 0");
+            Err(CliError::Usage(text))
+        }
         Ok(number) if digits => Ok(Key::new(number.to_be_bytes())),
         _ => {
             let path = path.display();
@@ -83,6 +118,9 @@ fn make(path: &Path) -> io::Result<Key> {
     writeln!(file, "{:032x}", u128::from_be_bytes(bytes))?;
     file.as_file().sync_all()?;
     file.persist_noclobber(path)?;
+    // Otherwise a loss of power may take the name of the file.
+    #[cfg(unix)]
+    fs::File::open(folder)?.sync_all()?;
     Ok(Key::new(bytes))
 }
 

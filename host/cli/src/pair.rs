@@ -6,7 +6,7 @@ use foldpath::stream::{Link, Pairing, Sim, pair};
 
 use crate::args::{Pair, Target};
 use crate::link::Wire;
-use crate::{Answer, CliError, key};
+use crate::{Answer, CliError, key, say};
 use crate::{print, report::outcome};
 
 pub(crate) fn run(args: &Pair, quiet: bool) -> Answer {
@@ -16,6 +16,12 @@ pub(crate) fn run(args: &Pair, quiet: bool) -> Answer {
     }
     // The key is in its file before a controller has it: a key that nobody knows would lock the controller.
     let (key, made) = key::read_or_make(&args.key)?;
+    if !made && !quiet {
+        let path = args.key.display();
+        say(&format!(
+            "note: {path} was there already: if another controller has this key, their nonces must differ from each other"
+        ));
+    }
     let paired = match &args.to {
         Target::Serial(device) => given(Wire::open(device, args.baud), key),
         _ => given(Ok(Sim::new()), key),
@@ -34,6 +40,7 @@ pub(crate) fn run(args: &Pair, quiet: bool) -> Answer {
             "no_device",
             Some("no controller answers; one that has another key does not".into()),
         ),
+        Ok(Pairing::Version(why)) => ("no_device", Some(why.clone())),
         Err(error) => ("no_device", Some(format!("the line: {error}"))),
     };
     let done = matches!(paired, Ok(Pairing::Paired));
@@ -50,5 +57,5 @@ pub(crate) fn run(args: &Pair, quiet: bool) -> Answer {
 }
 
 fn given(link: io::Result<impl Link>, key: foldpath_core::wire::key::Key) -> io::Result<Pairing> {
-    pair(&mut link?, key, key::nonce())
+    pair(&mut link?, key, key::nonce()?)
 }

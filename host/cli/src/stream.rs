@@ -41,7 +41,7 @@ struct StreamJson<'a> {
 
 pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     if let Some(log) = &args.log {
-        let others = [&args.script, &args.sheet, &args.image];
+        let others = [&args.script, &args.sheet, &args.image, &args.key];
         let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
         check_output("--log", log, inputs)?;
     }
@@ -53,16 +53,18 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
-    let key = args.key.as_deref().map(key::read).transpose()?;
+    let key = args.key.as_deref().map(|path| key::read(path, quiet));
+    let key = key.transpose()?;
     if matches!(args.to, Target::Tcp(_)) && key.is_none() && !args.insecure {
         let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
                     sheet";
         return Err(CliError::Usage(what.into()));
     }
-    let host = Host {
-        key,
-        ..Host::default()
-    };
+    if args.insecure && !matches!(args.to, Target::Tcp(_)) {
+        let what = "--insecure: expected --to tcp; other lines need no key";
+        return Err(CliError::Usage(what.into()));
+    }
+    let host = Host::new(key).map_err(CliError::Output)?;
     let bars = progress::shown(&args.report, quiet);
     let mut rigidity = None;
     let summary = match &args.to {
@@ -157,14 +159,14 @@ struct Host {
     key: Option<Key>,
 }
 
-impl Default for Host {
-    fn default() -> Self {
-        let [a, b, c, d, upper @ ..] = key::nonce().to_le_bytes();
-        Self {
+impl Host {
+    fn new(key: Option<Key>) -> io::Result<Self> {
+        let [a, b, c, d, upper @ ..] = key::nonce()?.to_le_bytes();
+        Ok(Self {
             id: u32::from_le_bytes([a, b, c, d]),
             nonce: u32::from_le_bytes(upper),
-            key: None,
-        }
+            key,
+        })
     }
 }
 

@@ -6,9 +6,9 @@ use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Item, ToDevice};
-use foldpath_core::wire::sender::{Options, Phase, Sender, Source};
+use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 
-use super::Link;
+use super::{Link, words};
 
 /// Time for a session to open, microseconds.
 const PATIENCE: u64 = 2_000_000;
@@ -16,7 +16,7 @@ const PATIENCE: u64 = 2_000_000;
 const ROUNDS: u32 = 3;
 
 /// Outcome of [`pair`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Pairing {
     /// The controller has the key, and has answered with it.
     Paired,
@@ -25,6 +25,8 @@ pub enum Pairing {
     Refused,
     /// No controller answers, or only one that has another key could be there.
     NoDevice,
+    /// A controller answers that speaks another version of the protocol. The sentence says which one.
+    Version(String),
 }
 
 /// A host that sends no items.
@@ -51,7 +53,11 @@ pub fn pair(link: &mut impl Link, key: Key, nonce: u64) -> io::Result<Pairing> {
             let sender = Sender::new(u32::from_le_bytes([a, b, c, d]), Options::default());
             (sender, u32::from_le_bytes(upper))
         });
-        if open(link, &mut plain.0)? {
+        let opened = open(link, &mut plain.0)?;
+        if let Phase::Failed(failure @ Failure::Version { .. }) = plain.0.phase() {
+            return Ok(Pairing::Version(words::failure(failure, true)));
+        }
+        if opened {
             answers = true;
             let mut buffer = [0; 64];
             let message = ToDevice::Pair(key.bytes());

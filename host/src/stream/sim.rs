@@ -131,6 +131,10 @@ impl Link for Sim {
         self.now += STEP;
         while let Some(byte) = self.up.read(self.now) {
             self.device.byte(byte, self.now);
+            // There is no memory to store a key in: the controller is gone at the end of the process.
+            if let Some(key) = self.device.proposed_key() {
+                self.device.pair(key);
+            }
         }
         if self.now.is_multiple_of(4 * STEP) {
             self.device.tick(self.now);

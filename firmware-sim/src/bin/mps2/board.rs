@@ -17,10 +17,10 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
-use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_controller::{retained, stored};
 use foldpath_core::follower::{Measurement, Target};
-use foldpath_core::wire::key::Key;
+use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::{GroupLimits, Membership};
 use foldpath_firmware_sim::plant::Plant;
 
@@ -31,8 +31,8 @@ type Controller = Application<Mps2, Line, GROUPS, HINGES, SPOKES, KNOTS, Protect
 /// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
 const NONCE: usize = 0x2030_0000;
 
-/// Address of the four words of the key, for the image that has room for one: memory that stands for the flash of a real
-/// board. Four zeros stand for no key.
+/// Address of the words of the key, for the images that have room for one: memory that stands for the flash of a real
+/// board. Erased words are 0.
 const KEY: usize = 0x2030_0008;
 
 /// Limits of every hinge: half a turn each way, at the speed of the drives.
@@ -251,20 +251,19 @@ impl Board for Mps2 {
         }
     }
 
-    fn key(&mut self) -> Option<Key> {
-        let mut key = [0; Key::SIZE];
-        let (words, _) = key.as_chunks_mut::<4>();
-        for (address, word) in (KEY..).step_by(4).zip(words) {
-            *word = read(address).to_le_bytes();
+    fn key(&mut self) -> StoredKey {
+        let mut words = [0; stored::WORDS];
+        for (address, word) in (KEY..).step_by(4).zip(&mut words) {
+            *word = read(address);
         }
-        (key != [0; Key::SIZE]).then_some(Key::new(key))
+        stored::open(&words, 0)
     }
 
-    fn store_key(&mut self, key: &Key) {
-        let (words, _) = key.bytes().as_chunks::<4>();
-        for (address, word) in (KEY..).step_by(4).zip(words) {
-            write(address, u32::from_le_bytes(*word));
+    fn store_key(&mut self, key: &Key) -> bool {
+        for (address, word) in (KEY..).step_by(4).zip(stored::words(key)) {
+            write(address, word);
         }
+        self.key() == StoredKey::Key(*key)
     }
 
     fn feed(&mut self) {

@@ -4,7 +4,7 @@ use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Command, Item, ToDevice, ToHost};
-use foldpath_core::wire::protection::{Keyed, Protection};
+use foldpath_core::wire::protection::Keyed;
 use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::sender::{Options, Sender, Source};
 use rand_core::Rng;
@@ -46,7 +46,7 @@ fn receiver(nonce: u64) -> Receiver<Keyed> {
         nonce,
         ..Identity::default()
     };
-    Receiver::protected(identity, Keyed::with_key(Some(KEY)))
+    Receiver::protected(identity, Keyed::new(Some(KEY)))
 }
 
 fn host(id: u32, nonce: u32) -> Sender {
@@ -97,6 +97,7 @@ impl Line {
             room: 5,
         };
         let mut buffer = [0; 128];
+        self.receiver.clock(self.now);
         let frame = self.receiver.poll(&status, &mut buffer)?.to_vec();
         self.receiver.sent();
         Some(frame)
@@ -104,6 +105,7 @@ impl Line {
 
     /// Hands a frame to the controller; returns `true` if the controller has to act on it.
     fn hear(&mut self, frame: &[u8]) -> bool {
+        self.receiver.clock(self.now);
         let event = self.receiver.receive(frame, 5);
         let acts = event.is_some();
         match event {
@@ -334,6 +336,7 @@ fn a_wrong_key_does_nothing() {
 }
 
 /// Returns a frame with this counter and the tag of `key`, by the words of `PROTOCOL.md` alone.
+/// It is of epoch 0.
 fn frame(session: u32, message: &ToDevice<'_>, counter: u32, key: &Key) -> Vec<u8> {
     let mut bytes = vec![0];
     bytes.extend(session.to_le_bytes());
@@ -341,6 +344,9 @@ fn frame(session: u32, message: &ToDevice<'_>, counter: u32, key: &Key) -> Vec<u
     // A frame without a key has the same beginning.
     let plain = foldpath_core::wire::frame::seal(session, message, &mut buffer).unwrap();
     bytes.extend(&plain[5..plain.len() - 4]);
+    if session != 0 {
+        bytes.push(0);
+    }
     bytes.extend(counter.to_le_bytes());
     let tag = key.tag(&bytes);
     bytes.extend(tag.to_le_bytes());
@@ -443,6 +449,11 @@ fn a_million_forged_frames_do_nothing() {
 #[test]
 fn offers_that_are_played_back_repeat_no_frame() {
     let mut line = Line::new();
+    let patient = Options {
+        silence: 60_000_000,
+        ..Options::default()
+    };
+    line.sender = Sender::new(5, patient).with_key(KEY, 9);
     let hello = line.said().unwrap();
     line.hear(&hello);
     let first = line.answered().unwrap();

@@ -10,7 +10,9 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use foldpath::stream::Link;
+use foldpath_controller::stored;
 use foldpath_core::wire::key::Key;
+use tempfile::NamedTempFile;
 
 use super::Wire;
 use crate::key::nonce;
@@ -86,6 +88,8 @@ pub fn default_image() -> Result<PathBuf, String> {
 pub struct Emulator {
     line: Wire<TcpStream>,
     stop: TcpStream,
+    /// The emulator reads it when it starts. It goes after the process.
+    _memory: NamedTempFile,
     _process: Process,
 }
 
@@ -108,14 +112,10 @@ impl Emulator {
             command.arg(format!("socket,id=line{number},host=127.0.0.1,port={port}"));
             command.args(["-serial", &format!("chardev:line{number}")]);
         }
-        // The board's random number and its key, at the addresses where it expects them.
-        let bytes = key.map_or([0; Key::SIZE], |key| *key.bytes());
-        let key = u128::from_le_bytes(bytes);
-        let words = [nonce(), low(key), low(key >> 64)];
-        for (address, word) in (0x2030_0000_u32..).step_by(8).zip(words) {
-            let word = format!("loader,addr={address:#x},data={word:#x},data-len=8");
-            command.arg("-device").arg(word);
-        }
+        let memory = memory(key)?;
+        let file = memory.path().display().to_string().replace(',', ",,");
+        command.arg("-device");
+        command.arg(format!("loader,file={file},addr=0x20300000,force-raw=on"));
         command.args(["-semihosting-config", "enable=on,target=native"]);
         command.arg("-kernel").arg(image);
         command.stdin(Stdio::null()).stdout(Stdio::null());
@@ -131,15 +131,23 @@ impl Emulator {
         Ok(Self {
             line: Wire::over(process.accept(line)?)?,
             stop: process.accept(stop)?,
+            _memory: memory,
             _process: process,
         })
     }
 }
 
-/// Returns the lowest 64 bits.
-fn low(number: u128) -> u64 {
-    let [bytes @ .., _, _, _, _, _, _, _, _] = number.to_le_bytes();
-    u64::from_le_bytes(bytes)
+/// Returns a file with the board's random number and the words of its key, for the addresses where it expects them. The
+/// file is private to its owner; the arguments of a process are not.
+fn memory(key: Option<Key>) -> io::Result<NamedTempFile> {
+    let words = key.map_or([0; stored::WORDS], |key| stored::words(&key));
+    let mut file = NamedTempFile::new()?;
+    file.write_all(&nonce()?.to_le_bytes())?;
+    for word in words {
+        file.write_all(&word.to_le_bytes())?;
+    }
+    file.flush()?;
+    Ok(file)
 }
 
 fn listen() -> io::Result<TcpListener> {

@@ -124,6 +124,8 @@ fn usage() {
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
         stream path.traj --to sim --script events.txt --log events.txt
+        stream path.traj --to sim --key events.txt --log events.txt
+        stream path.traj --to sim --insecure
         stream path.traj --to usb
         stream path.traj --to tcp:1
         stream path.traj --to tcp:1 --insecure --key lab.key
