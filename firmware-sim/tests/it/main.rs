@@ -3,6 +3,7 @@
 mod faults;
 mod fuzz;
 mod links;
+mod lives;
 mod loading;
 mod machine;
 mod path;
