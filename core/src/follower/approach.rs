@@ -15,6 +15,8 @@ pub(super) struct Approach<T, const GROUPS: usize> {
 }
 
 impl<T: Scalar, const GROUPS: usize> Approach<T, GROUPS> {
+    // Inlined for the reason given at `Follower::new`.
+    #[inline(always)]
     pub(super) fn none() -> Self {
         Self {
             offsets: [T::zero(); GROUPS],

@@ -27,6 +27,8 @@ pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
 }
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS> {
+    // Inlined for the reason given at `Follower::new`.
+    #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
             interpolation: Interpolation::default(),

@@ -20,6 +20,8 @@ type Ranges<T, const GROUPS: usize> = [[T; 2]; GROUPS];
 
 impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     // The range of a group that was not measured is empty.
+    // Inlined for the reason given at `Follower::new`.
+    #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
             ranges: [[[T::MAX, -T::MAX]; GROUPS]; 2],

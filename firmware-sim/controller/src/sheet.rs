@@ -14,7 +14,7 @@ use heapless::Vec;
 use crate::controller::Settings;
 
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
     head: Option<SheetHead>,
     limits: Vec<GroupLimits, GROUPS>,
@@ -27,6 +27,25 @@ pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> 
     sum: u32,
     /// `true` once the sheet is driven.
     adopted: bool,
+}
+
+impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Default
+    for Sheet<GROUPS, HINGES, SPOKES>
+{
+    // Inlined for the reason given at `Application::new`.
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            head: None,
+            limits: Vec::new(),
+            hinges: Vec::new(),
+            driven: Vec::new(),
+            spokes: Vec::new(),
+            ends: Vec::new(),
+            sum: 0,
+            adopted: false,
+        }
+    }
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS, HINGES, SPOKES> {

@@ -1,4 +1,4 @@
-//! The board of a port: a NUCLEO-F411RE that folds a sheet of four hinges. **Never tried on hardware.**
+//! The board of a port: a NUCLEO-F411RE that folds the four hinges of `example/`. **Never tried on hardware.**
 //!
 //! | what | where |
 //! |---|---|
@@ -15,7 +15,6 @@
 
 use core::cell::RefCell;
 use core::convert::Infallible;
-use core::f32::consts::PI;
 use core::sync::atomic::{AtomicU8, Ordering};
 
 use cortex_m::interrupt::Mutex;
@@ -24,8 +23,9 @@ use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
 use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
-use foldpath_core::{GroupLimits, Membership};
+use foldpath_port_stm32f4::{GROUPS, HINGES, KNOTS, LIMITS, SPOKES, angle, pulse};
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
 use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC1};
@@ -36,28 +36,8 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::timer::{CounterUs, PwmChannel};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Number of groups for which there is room: a single vertex of a Miura fold, planned without symmetry, has three.
-const GROUPS: usize = 4;
+type Controller = Application<Nucleo, Line, GROUPS, HINGES, SPOKES, KNOTS>;
 
-/// Room for four hinges, each of which may be a group. The vertex of a Miura fold has four spokes.
-type Controller = Application<Nucleo, Line, GROUPS, 4, 4, 16>;
-
-/// Limits of every hinge: a quarter turn each way, at the speed of a small servo.
-const LIMITS: GroupLimits = GroupLimits {
-    lower: -PI / 2.0,
-    upper: PI / 2.0,
-    speed: 5.0,
-    acceleration: f32::INFINITY,
-};
-
-/// Pulse of a servo at angle 0 (`MIDDLE`) and its growth for each radian (`RADIAN`), microseconds. A servo turns a
-/// quarter turn each way.
-const MIDDLE: f32 = 1500.0;
-const RADIAN: f32 = 1000.0 / PI;
-/// Reading of a potentiometer at angle 0 (`ZERO`) and its growth for each radian (`READING`). Both have to be
-/// calibrated for each servo.
-const ZERO: f32 = 2048.0;
-const READING: f32 = 2048.0 / (PI / 2.0);
 /// Microseconds after which the clock begins anew, 71 minutes. Each round of the main loop reads it.
 const PERIOD: u32 = u32::MAX;
 
@@ -164,30 +144,30 @@ impl Board for Nucleo {
         _: Membership,
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
-        let angle = target.map(|target| target.angle);
+        let command = target.map(|target| target.angle);
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // The read waits for the conversion, which takes 5 microseconds.
         let reading = match hinge {
             0 => {
-                angle.inspect(|angle| servos.0.set_duty(pulse(*angle)));
+                command.inspect(|angle| servos.0.set_duty(pulse(*angle)));
                 converter.convert(&pots.0, time)
             }
             1 => {
-                angle.inspect(|angle| servos.1.set_duty(pulse(*angle)));
+                command.inspect(|angle| servos.1.set_duty(pulse(*angle)));
                 converter.convert(&pots.1, time)
             }
             2 => {
-                angle.inspect(|angle| servos.2.set_duty(pulse(*angle)));
+                command.inspect(|angle| servos.2.set_duty(pulse(*angle)));
                 converter.convert(&pots.2, time)
             }
             3 => {
-                angle.inspect(|angle| servos.3.set_duty(pulse(*angle)));
+                command.inspect(|angle| servos.3.set_duty(pulse(*angle)));
                 converter.convert(&pots.3, time)
             }
             _ => return None,
         };
-        Some(((f32::from(reading) - ZERO) / READING).into())
+        Some(angle(reading).into())
     }
 
     /// The servos have no pulses in a reset, and are limp without them. Their potentiometers tell where they stand.
@@ -227,18 +207,6 @@ impl Nucleo {
             (nonce.rotate_left(7) ^ u64::from(reading)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
         })
     }
-}
-
-/// Returns the pulse of a servo at this angle (radians), microseconds.
-fn pulse(angle: f32) -> u16 {
-    let pulse = (MIDDLE + RADIAN * angle).clamp(1000.0, 2000.0);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 1000 to 2000"
-    )]
-    let pulse = pulse as u16;
-    pulse
 }
 
 /// Sets up the board with its clocks, timers and pins, and the line to the host.

@@ -1,5 +1,5 @@
-//! An example of a port, the controller on an STM32F411: see `board.rs` and `firmware-sim/PORTING.md`. It compiles, but
-//! was never tried on hardware.
+//! An example of a port, the controller on an STM32F411: see `board.rs` and `firmware-sim/PORTING.md`. It compiles and
+//! links, but was never tried on hardware.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -4,6 +4,7 @@ mod faults;
 mod fuzz;
 mod jog;
 mod links;
+mod lives;
 mod loading;
 mod machine;
 mod path;

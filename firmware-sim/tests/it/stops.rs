@@ -65,6 +65,14 @@ fn what_stops_a_motion_how_fast_and_how_far() {
         (698..=753).contains(&silent.0) && (573.0..=628.0).contains(&silent.1),
         "{silent:?}"
     );
+    // The session of another host begins with its greeting, an exchange later.
+    let other = stops("another host that greets", &path, none, |_, _| {
+        Some(path.driver(none, 99))
+    });
+    assert!(
+        (249..=256).contains(&other.0) && (123.0..=131.0).contains(&other.1),
+        "{other:?}"
+    );
     // A hinge slows the clock when it lags by 0.05 rad, and holds it from 0.15 rad on.
     let stuck = stops(
         "a stuck hinge, once it is stuck",

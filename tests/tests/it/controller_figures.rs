@@ -14,7 +14,7 @@ use foldpath_firmware_sim::faults::Faults;
 const PACE: u64 = 25_000_000;
 /// Address of the stack, its size in bytes, and the word with which it is painted.
 const STACK: usize = 0x2000_0000;
-const STACK_SIZE: usize = 24 * 1024;
+const STACK_SIZE: usize = 96 * 1024;
 const PAINT: u32 = 0xcccc_cccc;
 
 /// The flash and RAM that a real part has to offer.

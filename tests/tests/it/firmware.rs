@@ -5,15 +5,7 @@ use std::fs;
 
 use foldpath_firmware_sim::probe;
 
-use crate::image::{PROBE, board_output, build, image, symbols};
-
-/// Names of the images.
-const IMAGES: [&str; 4] = [
-    PROBE,
-    "foldpath-mps2",
-    "foldpath-mps2-small",
-    "foldpath-mps2-small-keyed",
-];
+use crate::image::{IMAGES, board_output, build, image, symbols};
 
 fn host_output() -> String {
     let mut output = String::new();

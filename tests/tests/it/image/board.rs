@@ -14,7 +14,7 @@ use super::image;
 /// Names of the emulator's sockets: the line to the host, the stop line, the test bench, and the monitor.
 const SOCKETS: [&str; 4] = ["line", "stop", "bench", "monitor"];
 /// First address above the stack.
-const STACK_TOP: u32 = 0x2000_6000;
+const STACK_TOP: u32 = 0x2001_8000;
 /// First address above the guard, which is 1 KiB long.
 const GUARD_END: u32 = 0x2000_0400;
 
@@ -32,6 +32,26 @@ impl Board {
     /// Starts an emulator of `machine`. An instruction takes 2⁵ ns, about a cycle of the board's clock. With real time
     /// instead, the board's watchdog would bite while the emulator waits for this machine.
     pub(crate) fn start(machine: &str) -> Self {
+        let nonce = 1 + u64::from(std::process::id());
+        Self::run(
+            machine,
+            "foldpath-mps2-small",
+            &["-icount", "shift=5"],
+            nonce,
+        )
+    }
+
+    /// Starts an emulator of `machine` whose time passes as fast as it can: 30 to 60 times as fast as that of this machine.
+    /// The board has not begun if it is `frozen`.
+    pub(crate) fn fast(machine: &str, image: &str, nonce: u64, frozen: bool) -> Self {
+        let mut arguments = vec!["-icount", "shift=6,sleep=off"];
+        arguments.extend(frozen.then_some("-S"));
+        Self::run(machine, image, &arguments, nonce)
+    }
+
+    /// Starts an emulator of `machine` with these further `arguments`, and with this nonce at the address where the board
+    /// expects its random number.
+    fn run(machine: &str, name: &str, arguments: &[&str], nonce: u64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let listeners = SOCKETS.map(|name| UnixListener::bind(path(name)).unwrap());
@@ -50,13 +70,11 @@ impl Board {
         // This is the monitor for people. The monitor for programs has a thread, which the emulator would wake at each
         // byte of a line.
         command.args(["-mon", "chardev=monitor,mode=readline"]);
-        command.args(["-icount", "shift=5"]);
-        // The board's random number, at the address where it expects one. It differs between test programs.
-        let nonce = 1 + u64::from(std::process::id());
+        command.args(arguments);
         command
             .arg("-device")
             .arg(format!("loader,addr=0x20300000,data={nonce:#x},data-len=8"));
-        command.arg("-kernel").arg(image("foldpath-mps2-small"));
+        command.arg("-kernel").arg(image(name));
         let mut emulator = command
             .stdin(Stdio::null())
             .spawn()
@@ -85,6 +103,16 @@ impl Board {
             Err(error) if error.kind() == ErrorKind::WouldBlock => Vec::new(),
             Err(error) => panic!("{error}"),
         }
+    }
+
+    /// Returns the bytes that come within a millisecond.
+    pub(crate) fn wait(&mut self) -> Vec<u8> {
+        self.line.set_nonblocking(false).unwrap();
+        let patience = Some(Duration::from_millis(1));
+        self.line.set_read_timeout(patience).unwrap();
+        let bytes = self.read();
+        self.line.set_nonblocking(true).unwrap();
+        bytes
     }
 
     /// Sends bytes and returns the number of bytes that the line took.
@@ -167,6 +195,17 @@ impl Board {
     pub(crate) fn hang(&mut self, function: u64) {
         let mut debugger = self.debugger();
         debugger.tell(&format!("M{function:x},2:fee7"));
+        debugger.tell("D");
+    }
+
+    /// Writes bytes into the memory of a frozen board, and lets its time go on.
+    pub(crate) fn fill(&mut self, address: u64, bytes: &[u8]) {
+        let mut debugger = self.debugger();
+        for (part, bytes) in (0..).zip(bytes.chunks(1024)) {
+            let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+            let at = address + 1024 * part;
+            debugger.tell(&format!("M{at:x},{:x}:{digits}", bytes.len()));
+        }
         debugger.tell("D");
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod board;
 pub(crate) mod path;
+pub(crate) mod rig;
 pub(crate) mod world;
 
 use std::fs::File;
@@ -22,13 +23,36 @@ pub(crate) fn image(name: &str) -> PathBuf {
     build("fw", &[]).join(name)
 }
 
-/// Builds the images with `settings` in the environment, and returns their folder. The target directory is another one,
-/// because the outer cargo may hold the lock of its own.
+/// Builds the images for size, and returns their folder.
+pub(crate) fn for_size() -> PathBuf {
+    let settings = [("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "s")];
+    let feature = ["--features", "small"];
+    build_package("foldpath-firmware-sim", &feature, "fw-size", &settings)
+}
+
+/// Builds the image of a port, which has the name of its package, and returns its path.
+pub(crate) fn port(package: &str) -> PathBuf {
+    build_package(package, &[], "fw", &[]).join(package)
+}
+
+/// Builds the images with `settings` in the environment, and returns their folder.
 pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
+    build_package("foldpath-firmware-sim", &[], directory, settings)
+}
+
+/// Builds the images of a package. The target directory is another one, because the outer cargo may hold the lock of its
+/// own.
+fn build_package(
+    package: &str,
+    features: &[&str],
+    directory: &str,
+    settings: &[(&str, &str)],
+) -> PathBuf {
     let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
     let target_dir = target_dir.join(directory);
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--locked", "--package", "foldpath-firmware-sim"]);
+    cargo.args(["build", "--locked", "--package", package]);
+    cargo.args(features);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     cargo.arg("--target-dir").arg(&target_dir);
     cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
@@ -61,6 +85,11 @@ pub(crate) fn turn() -> File {
 
 /// Returns the output of the probe, which counts instructions. Panics unless the emulator runs it to a successful end.
 pub(crate) fn board_output() -> String {
+    output_of(&image(PROBE))
+}
+
+/// Returns the output of this build of the probe, as above.
+pub(crate) fn output_of(probe: &Path) -> String {
     let run = Command::new("timeout")
         .args(["--foreground", "--kill-after=5", TIME_LIMIT])
         .args(["qemu-system-arm", "-machine", "mps2-an386"])
@@ -68,7 +97,7 @@ pub(crate) fn board_output() -> String {
         .args(["-display", "none", "-monitor", "none", "-serial", "none"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
-        .arg(image(PROBE))
+        .arg(probe)
         .stdin(Stdio::null())
         .output()
         .expect("timeout, of coreutils, starts");
@@ -95,9 +124,22 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
     names.into_iter().filter(named).map(String::from).collect()
 }
 
-/// Returns the address of the controller's function or variable whose name contains all `parts`.
+/// Names of the images.
+pub(crate) const IMAGES: [&str; 4] = [
+    PROBE,
+    "foldpath-mps2",
+    "foldpath-mps2-small",
+    "foldpath-mps2-small-keyed",
+];
+
+/// Returns the address of the small image's function or variable whose name contains all `parts`.
 pub(crate) fn address(parts: &[&str]) -> u64 {
-    let bytes = std::fs::read(image("foldpath-mps2-small")).unwrap();
+    address_in("foldpath-mps2-small", parts)
+}
+
+/// Returns the address of the function or variable of this image whose name contains all `parts`.
+pub(crate) fn address_in(name: &str, parts: &[&str]) -> u64 {
+    let bytes = std::fs::read(image(name)).unwrap();
     let elf = object::File::parse(&*bytes).unwrap();
     let named = |name: &str| parts.iter().all(|part| name.contains(part));
     let mut symbols = elf.symbols().filter(|s| s.name().is_ok_and(named));

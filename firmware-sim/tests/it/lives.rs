@@ -1,0 +1,308 @@
+//! Whole lives of controllers: power cuts, resets, stops, faults, hosts that come and go, frames that are forged or played
+//! back, with and without a key. Whatever happens, on every tick no hinge moves before its place is known, none while a stop
+//! or a fault is latched, none faster than its path and its board allow, the commanded angles close, and the host is told
+//! why nothing moves.
+//!
+//! The fuzzer (`fuzz/`) has a model of single frames; here the whole main loop runs, with its records and its hinges.
+
+use foldpath_controller::stored;
+use foldpath_core::follower::{FollowerPosition, Reason, State};
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_core::wire::frame;
+use foldpath_core::wire::key::Key;
+use foldpath_core::wire::message::{Command, ToDevice};
+use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
+use foldpath_core::wire::sender::{Options, Phase};
+use foldpath_test_support::Random;
+use rand_core::Rng;
+
+use crate::machine::{EXACT, Machine, Sensor};
+use crate::path::{CLOSURE, LIMITS, Path, below};
+
+const LIVES: u64 = 1000;
+const KEY: Key = Key::new([0x3c; Key::SIZE]);
+
+/// Sensors: none, exact ones, one that has failed, and a hinge that is stuck.
+const SENSORS: [Option<Sensor>; 4] = [
+    None,
+    Some(EXACT),
+    Some(|hinge, _, stands| if hinge == 7 { f32::NAN } else { stands }),
+    Some(|hinge, _, stands| {
+        if hinge == 5 {
+            stands.clamp(-0.4, 0.4)
+        } else {
+            stands
+        }
+    }),
+];
+
+/// Counts over many lives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    ticks: u64,
+    moved: u64,
+    done: u64,
+    faulted: u64,
+    stopped: u64,
+    cuts: u64,
+    resets: u64,
+    forged: u64,
+    told: u64,
+}
+
+struct Life<'a, P: Protection> {
+    rng: Random,
+    path: &'a Path,
+    machine: Machine<2, P>,
+    host: Option<Driver<'a>>,
+    key: Option<Key>,
+    /// `false` if a reset, or a greeting that was played back, may have ended the host's session.
+    hears: bool,
+    /// `true` once the commanded angles have closed since the path was last started.
+    closed: bool,
+    before: (Option<State>, [Option<f32>; 2]),
+    tally: Tally,
+}
+
+impl<'a, P: Protection> Life<'a, P> {
+    fn new(path: &'a Path, seed: u64, key: Option<Key>) -> Self {
+        let mut machine = Machine::<2, P>::with_line(seed << 20, false);
+        if let Some(key) = key {
+            machine.bench(|bench| bench.flash = stored::words(&key));
+        }
+        machine.reset();
+        Self {
+            rng: Random::stream(seed, 11),
+            path,
+            machine,
+            host: None,
+            key,
+            hears: false,
+            closed: false,
+            before: (None, [None; 2]),
+            tally: Tally::default(),
+        }
+    }
+
+    fn below(&mut self, count: u64) -> u64 {
+        below(&mut self.rng, count)
+    }
+
+    /// Runs for some milliseconds, and judges each.
+    fn run(&mut self, millis: u64) {
+        for _ in 0..millis {
+            self.machine.run(self.host.as_mut(), 1);
+            let condition = self.machine.condition();
+            // Hinges 1 and 2 are of both groups, with the signs of their groups.
+            let angles = self.machine.bench(|bench| {
+                let hinge = |hinge: usize| bench.commands.get(hinge).copied().flatten();
+                [hinge(2), hinge(1)]
+            });
+            assert!(condition.known || angles == [None; 2], "{condition:?}");
+            let (state, before) =
+                core::mem::replace(&mut self.before, (Some(condition.state), angles));
+            let starts = state != Some(State::Running) && state != Some(State::Holding);
+            self.closed &= !(starts && condition.state == State::Running);
+            for (angle, before) in angles.iter().zip(before) {
+                let (Some(angle), Some(before)) = (*angle, before) else {
+                    continue;
+                };
+                let moved = (angle - before).abs();
+                assert!(
+                    moved <= LIMITS.speed * 1.001e-3 + 1e-6,
+                    "{moved} {condition:?}"
+                );
+                let latched = condition.stopped || condition.fault.is_some();
+                assert!(!latched || moved.to_bits() == 0, "{moved} {condition:?}");
+                self.tally.moved += u64::from(moved > 0.0);
+            }
+            if let [Some(major), Some(minor)] = angles {
+                let residual = self.path.residual(&[major, minor]);
+                self.closed |=
+                    residual <= f64::from(CLOSURE) && condition.reason != Reason::Approach;
+                assert!(
+                    !self.closed || residual <= f64::from(CLOSURE),
+                    "{residual:e} {condition:?}"
+                );
+            }
+            self.tally.ticks += 1;
+        }
+    }
+
+    /// Looks whether the host, if it has a session, is told what holds the motion.
+    fn is_told(&mut self) {
+        self.run(200);
+        let condition = self.machine.condition();
+        self.run(40);
+        let report = self
+            .host
+            .as_ref()
+            .and_then(|host| host.sender().report().copied());
+        let open = |host: &Driver<'_>| host.sender().phase() == Phase::Open;
+        let open = self.hears && self.host.as_ref().is_some_and(open);
+        // The condition is that of the last tick, and the report may be of a moment behind it.
+        self.run(2);
+        let after = self.machine.condition();
+        let Some(report) = report.filter(|_| open && condition == after) else {
+            return;
+        };
+        let told = (report.state, report.reason, report.stopped, report.known);
+        let is = (after.state, after.reason, after.stopped, after.known);
+        assert_eq!(told, is);
+        if after.fault.is_some() || after.stopped || after.state == State::Holding {
+            assert_ne!(report.reason, Reason::None);
+            self.tally.told += 1;
+        }
+    }
+
+    fn greets(&mut self) {
+        let ways = [Persistence::None, Persistence::Resume, Persistence::Always];
+        let persistence = ways[usize::try_from(self.below(3)).unwrap()];
+        let id = self.rng.next_u32();
+        let items = self.path.items(FollowerPosition::default());
+        let mut host = Driver::new(items, persistence, id, Options::default());
+        if let Some(key) = self.key {
+            host = host.with_key(key, self.rng.next_u32());
+        }
+        let known = self.machine.condition().known;
+        // An operator lays a limp sheet flat, and says so.
+        if !known && self.below(4) != 0 {
+            self.machine.bench(|bench| bench.stands.fill(0.0));
+            host = host.confirming();
+        }
+        (self.host, self.hears) = (Some(host), true);
+    }
+
+    /// Sends frames that were recorded before, changed or not, noise, and commands of this session or another.
+    fn forges(&mut self) {
+        self.hears &= self.key.is_some();
+        for _ in 0..1 + self.below(20) {
+            let recorded = self.machine.recorded.len() as u64;
+            let pick = usize::try_from(self.below(recorded.max(1))).unwrap();
+            let mut bytes = match self.machine.recorded.get(pick) {
+                Some((_, bytes)) => bytes.clone(),
+                None => vec![1, 2, 3, 0],
+            };
+            match self.below(4) {
+                0 => {}
+                1 => {
+                    let at = usize::try_from(self.below(bytes.len() as u64)).unwrap();
+                    bytes[at] ^= 1 << self.below(8);
+                }
+                2 => self.rng.fill_bytes(&mut bytes),
+                _ => {
+                    let session = self.host.as_ref().map_or(0, |host| host.sender().session());
+                    let commands = [
+                        Command::Start,
+                        Command::Resume,
+                        Command::Clear,
+                        Command::Unload,
+                    ];
+                    let command = commands[usize::try_from(self.below(4)).unwrap()];
+                    let number = self.rng.next_u32().to_le_bytes()[0];
+                    let message = ToDevice::Command { number, command };
+                    let mut buffer = [0; 64];
+                    let sealed = frame::seal(session, &message, &mut buffer).unwrap();
+                    bytes.clear();
+                    cobs::encode(sealed, |byte| bytes.push(byte));
+                }
+            }
+            self.machine.bench(|bench| bench.received.extend(&bytes));
+            self.tally.forged += 1;
+            self.run(1);
+        }
+    }
+
+    fn happens(&mut self) {
+        match self.below(12) {
+            0..3 => self.greets(),
+            3 => self.host = None,
+            4 => {
+                let nonce = self.rng.next_u64();
+                self.machine.cut_power(nonce);
+                self.hears = false;
+                self.before = (None, [None; 2]);
+                self.tally.cuts += 1;
+            }
+            5 | 6 => {
+                let limp = self.below(3) == 0;
+                self.machine.bench(|bench| bench.limp = limp);
+                self.machine.reset();
+                self.hears = false;
+                self.before = (None, [None; 2]);
+                self.tally.resets += 1;
+            }
+            7 => {
+                self.machine.bench(|bench| bench.stop = true);
+                let millis = 1 + self.below(100);
+                self.run(millis);
+                assert!(self.machine.condition().stopped);
+                self.machine.bench(|bench| bench.stop = false);
+                self.tally.stopped += 1;
+            }
+            8 => {
+                let sensor = SENSORS[usize::try_from(self.below(4)).unwrap()];
+                self.machine.bench(|bench| bench.sensor = sensor);
+            }
+            9 => {
+                if let Some(host) = &mut self.host {
+                    host.stop();
+                }
+            }
+            _ => return self.forges(),
+        }
+        let whole = self.below(6) == 0;
+        let millis = if whole { 2600 } else { 50 + self.below(500) };
+        self.run(millis);
+        self.is_told();
+    }
+
+    fn live(mut self) -> Tally {
+        self.run(2);
+        self.greets();
+        for _ in 0..6 + self.below(12) {
+            self.happens();
+            let state = self.machine.condition().state;
+            self.tally.done += u64::from(state == State::Done);
+            self.tally.faulted += u64::from(state == State::Faulted);
+        }
+        self.tally
+    }
+}
+
+#[test]
+fn in_no_life_does_a_hinge_move_that_must_not() {
+    let path = Path::miura();
+    let mut sum = Tally::default();
+    for seed in 0..LIVES {
+        // A failure names its seed.
+        let result = std::panic::catch_unwind(|| {
+            if seed % 2 == 0 {
+                Life::<Unkeyed>::new(&path, seed, None).live()
+            } else {
+                Life::<Keyed>::new(&path, seed, Some(KEY)).live()
+            }
+        });
+        let one = result.unwrap_or_else(|_| panic!("the life of seed {seed}"));
+        sum.ticks += one.ticks;
+        sum.moved += one.moved;
+        sum.done += one.done;
+        sum.faulted += one.faulted;
+        sum.stopped += one.stopped;
+        sum.cuts += one.cuts;
+        sum.resets += one.resets;
+        sum.forged += one.forged;
+        sum.told += one.told;
+    }
+    println!("{sum:?}");
+    assert!(
+        sum.moved > 100_000 && sum.done > 100 && sum.faulted > 20,
+        "{sum:?}"
+    );
+    assert!(
+        sum.stopped > 500 && sum.cuts > 500 && sum.resets > 1000,
+        "{sum:?}"
+    );
+    assert!(sum.forged > 10_000 && sum.told > 500, "{sum:?}");
+}
