@@ -28,7 +28,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let dt = T::whole(passed) * T::lit(1e-6);
         let goal = self.goal();
         let step = self.clock.tick(dt, goal, self.ahead());
-        self.move_by(step, dt);
+        if step > T::zero() {
+            self.move_by(step, dt);
+        } else {
+            // The angles stay as they are to the last bit, at the beginning of an approach as well.
+            self.still();
+        }
         self.settle(goal);
     }
 

@@ -222,6 +222,10 @@ impl<'a> Subject<'a> {
             }
         }
         self.heard = self.now;
+        if matches!(frame.message, Message::Command(_, 7)) {
+            // Another hinge may be moved in between, so that an operator's word counts for this one again.
+            self.drives(0);
+        }
         let started = before.state == State::Ready && after.state == State::Running;
         if started {
             assert!(!self.drawn);
@@ -458,11 +462,15 @@ impl<'a> Subject<'a> {
         let half = !matches!(self.kind, Interpolation::Linear | Interpolation::Hermite);
         let slack = if half { 17.0 / 16.0 } else { 1.0001 };
         let angles = self.device.follower().angles().iter().zip(&before.angles);
-        for ((angle, before), limits) in angles.zip(&self.limits) {
+        for (group, ((angle, before), limits)) in angles.zip(&self.limits).enumerate() {
             let before = f32::from_bits(before.unwrap());
             let moved = (f64::from(*angle) - f64::from(before)).abs();
             let range = f64::from(limits.upper) - f64::from(limits.lower);
-            let speed = f64::from(limits.speed.min(BOARD.speed));
+            // A group that no hinge follows moves nothing, so that the board has no limit for it.
+            let mut hinges = self.device.sheet().hinges();
+            let followed = hinges.any(|hinge| hinge.group.index() == group);
+            let board = if followed { BOARD.speed } else { f32::MAX };
+            let speed = f64::from(limits.speed.min(board));
             #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
             let most = speed * passed as f64 * 1e-6 * slack;
             assert!(
