@@ -141,8 +141,10 @@ pub struct Sender {
     trips: RoundTrips,
     /// Time of the first greeting, microseconds.
     greeted: Option<u64>,
-    /// Time when the controller last took an item, or when the oldest item under way was sent, microseconds.
+    /// Time when the controller last took an item, or when the last item had left, microseconds.
     progress: u64,
+    /// `true` while the last item may still be leaving: a frame takes its time on a slow line.
+    leaves: bool,
     sent: Option<u64>,
     /// `true` if a report has told of one more frame since the last frame was sent.
     answered: bool,
@@ -173,6 +175,7 @@ impl Sender {
             trips: RoundTrips::default(),
             greeted: None,
             progress: 0,
+            leaves: false,
             sent: None,
             answered: false,
             heard: None,
@@ -218,6 +221,12 @@ impl Sender {
     #[must_use]
     pub fn repeated(&self) -> u64 {
         self.repeated
+    }
+
+    /// Returns the smoothed time of a round trip, microseconds; `None` until one was measured.
+    #[must_use]
+    pub fn round_trip(&self) -> Option<u64> {
+        self.trips.measured.map(|(mean, _)| mean)
     }
 
     /// Returns the controller's last report. While it tells of a refused item, no items are sent.
@@ -345,6 +354,10 @@ impl Sender {
         source: &impl Source,
         scratch: &'s mut [u8],
     ) -> Option<(u16, Item<'s>)> {
+        // The host asks for the next frame once the line has taken the last one.
+        if core::mem::take(&mut self.leaves) {
+            self.progress = now;
+        }
         let late = now.saturating_sub(self.progress) >= self.trips.retry(&self.options);
         if late && self.next > self.acked {
             self.trips.repeat();
@@ -356,9 +369,7 @@ impl Sender {
         }
         let item = source.item(self.next, scratch)?;
         let sequence = wrapped(self.next);
-        if self.next == self.acked {
-            self.progress = now;
-        }
+        self.leaves = true;
         let repeats = self.next < self.highest;
         self.repeated += u64::from(repeats);
         if !repeats && self.trips.timed.is_none() {

@@ -243,8 +243,14 @@ Examples:
 /// Places at which an operator may say that a sheet stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum At {
-    /// The beginning of the path
+    /// Where the path begins
     Start,
+    /// Flat
+    Flat,
+    /// At the goal: at the last knot of the path in the file
+    Goal,
+    /// Where the controller measures it; it forgets what it knew
+    Measured,
 }
 
 impl Family {
@@ -870,7 +876,8 @@ Examples:
   foldpath stream path.traj --to sim --log log.csv
   foldpath stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7
   foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
-  foldpath stream path.traj --to serial:/dev/ttyUSB0")]
+  foldpath stream path.traj --to serial:/dev/ttyUSB0 --at flat
+  foldpath stream path.traj --to serial:/dev/ttyUSB0 --reverse")]
 pub(crate) struct Stream {
     /// Path: a .traj file, as written by `foldpath export --to traj`
     pub(crate) path: PathBuf,
@@ -884,17 +891,29 @@ pub(crate) struct Stream {
     /// CSV file to write, with one row for each telemetry message
     ///
     /// Its columns are the time in microseconds, the state, the number of the knot at or before the position on the
-    /// path, and the commanded angle of each crease group in radians.
+    /// path, the commanded angle of each crease group in radians, and then those that host/FORMAT.md describes. Each row is
+    /// in the file as soon as it has come.
     #[arg(long)]
     pub(crate) log: Option<PathBuf>,
-    /// Continue from the present position of the sheet, also after a stop or a fault
+    /// Undo whatever holds the sheet now, a stop or a fault as well, and continue from its present position
+    ///
+    /// This is a word for the beginning of the session. What holds the sheet later ends the session.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Say where the sheet stands, whatever the controller knows or measures
+    /// Resume whenever the line was silent for so long that the controller holds, but never after a stop or a fault
+    #[arg(long)]
+    pub(crate) unattended: bool,
+    /// Run the path backwards, from its end to its beginning
+    ///
+    /// With --resume, a run in the other direction that was interrupted turns back from where the sheet stands.
+    #[arg(long)]
+    pub(crate) reverse: bool,
+    /// Say where the sheet stands, whatever the controller knows
     ///
     /// A controller that was just switched on does not know where the sheet stands. It measures the hinges if it can, and
-    /// starts only near the beginning of the path. Otherwise somebody has to look and say so.
-    #[arg(long, value_enum, value_name = "PLACE", conflicts_with = "resume")]
+    /// starts only near the beginning of the path. Otherwise somebody has to look and say so. With --resume, whatever
+    /// holds the sheet is undone, and the path begins anew.
+    #[arg(long, value_enum, value_name = "PLACE")]
     pub(crate) at: Option<At>,
     /// Faults to add to the line, such as drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     ///

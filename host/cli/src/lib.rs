@@ -18,6 +18,7 @@ mod hints;
 mod info;
 mod jobs;
 mod key;
+mod log;
 mod outlook;
 mod output;
 mod pair;

@@ -1,7 +1,7 @@
 //! Runs `foldpath stream`, which sends a path to a controller.
 
 use core::sync::atomic::{AtomicU8, Ordering};
-use std::io::{self, Write};
+use std::io;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -13,14 +13,15 @@ use serde::Serialize;
 use crate::args::{At, Drives, LineFaults, Stream, Target};
 use crate::key;
 use crate::link::{Emulator, Wire, default_image};
-use crate::output::write_whole_with;
+use crate::log::Log;
 use crate::progress::{self, PACE, PATIENCE};
 use crate::report::outcome;
 use crate::standard::{Input, print_summary, shown, source};
 use crate::{Answer, CliError, check_output, print_json};
 use foldpath::folding::Rigidity;
 use foldpath::stream::{
-    self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher, Wish,
+    self, Faulty, Link, Options, Outcome, Plant, Sim, Stands, StreamPath, Summary, Telemetry,
+    Watcher, Wish,
 };
 
 #[derive(Serialize)]
@@ -48,6 +49,19 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     let input = Input::of(&args.path)?;
     let name = input.name.clone();
     let path = StreamPath::read(&input.bytes()?, &name)?;
+    let path = if args.reverse {
+        path.reverse().ok_or_else(|| {
+            let name = name.display();
+            CliError::Usage(format!(
+                "--reverse: {name}: expected knots far enough apart for numbers of 32 bits that count from the end"
+            ))
+        })?
+    } else {
+        path
+    };
+    if let Some(at) = args.at {
+        check_place(at, &path)?;
+    }
     let driven = args.drives.is_some() || args.script.is_some() || args.sheet.is_some();
     if driven && !matches!(args.to, Target::Sim) {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
@@ -106,6 +120,40 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     };
     report(args, &path, &summary, rigidity, quiet)?;
     Ok(summary.outcome == Outcome::Done)
+}
+
+/// Checks that the path begins where an operator says that the sheet stands.
+fn check_place(at: At, path: &StreamPath) -> Result<(), CliError> {
+    let (flat, goal) = (path.begins_flat(), path.begins_at_goal());
+    let (said, place) = match at {
+        At::Flat if !flat => ("flat", "flat"),
+        At::Goal if !goal => ("goal", "at the goal"),
+        _ => return Ok(()),
+    };
+    let what = if path.is_reversed() {
+        "the path, with --reverse,"
+    } else {
+        "the path"
+    };
+    let (begins, instead) = match (flat, goal) {
+        (true, _) => ("flat".to_string(), "--at flat, or turn the path round by --reverse"),
+        (_, true) => ("at the goal".to_string(), "--at goal, or leave --reverse out"),
+        (false, false) => {
+            let angles = path.view().and_then(|view| view.knot(0)).map(|knot| knot.angles);
+            let angles = angles.unwrap_or_default().iter();
+            let angles = angles.map(|angle| angle.to_degrees());
+            let (group, most) = (0..).zip(angles).fold((0, 0.0_f32), |a, b| {
+                if b.1.abs() > a.1.abs() { b } else { a }
+            });
+            (
+                format!("folded, with group {group} at {most:.3} degrees"),
+                "--at start if it stands there, or --at measured",
+            )
+        }
+    };
+    Err(CliError::Usage(format!(
+        "--at {said}: {what} does not begin {place}, but {begins}; say {instead}"
+    )))
 }
 
 /// Returns the hinges of a simulated controller.
@@ -205,32 +253,31 @@ fn logged(
     let emulated = matches!(args.to, Target::Qemu);
     let options = Options {
         resume: args.resume,
-        at_start: emulated || args.at == Some(At::Start),
+        unattended: args.unattended,
+        stands: match args.at {
+            None if emulated => Stands::AtStart,
+            None => Stands::Known,
+            Some(At::Measured) => Stands::Measured,
+            Some(At::Start | At::Flat | At::Goal) => Stands::AtStart,
+        },
         id: host.id,
         key: host.key,
         nonce: host.nonce,
     };
-    let mut follow = |log: &mut dyn Write| {
-        let mut watch = Watch {
-            path,
-            log,
-            pressed: &pressed,
-            begun: Instant::now(),
-            shown: None,
-            bar: shown.then(progress::hidden_bar),
-        };
-        watch.head()?;
-        stream::run(link, path, options, &mut watch)
+    let log = args.log.as_deref().map(Log::create).transpose()?;
+    let mut watch = Watch {
+        path,
+        log,
+        pressed: &pressed,
+        begun: Instant::now(),
+        shown: None,
+        bar: shown.then(progress::hidden_bar),
     };
-    let Some(log) = &args.log else {
-        return follow(&mut io::sink()).map_err(CliError::Output);
-    };
-    let mut summary = None;
-    write_whole_with(log, |out| {
-        summary = Some(follow(out)?);
-        Ok(())
-    })?;
-    summary.ok_or_else(|| CliError::Usage("--log: nothing was written".into()))
+    let followed = watch.head().and_then(|()| stream::run(link, path, options, &mut watch));
+    followed.map_err(|error| match &watch.log {
+        Some(log) => log.failed(error),
+        None => CliError::Output(error),
+    })
 }
 
 fn report(
@@ -291,7 +338,7 @@ fn report(
 /// Watches a session for the user: writes the log, draws the bar and obeys Ctrl-C.
 struct Watch<'a> {
     path: &'a StreamPath,
-    log: &'a mut dyn Write,
+    log: Option<Log>,
     pressed: &'a AtomicU8,
     begun: Instant,
     shown: Option<Instant>,
@@ -300,11 +347,15 @@ struct Watch<'a> {
 
 impl Watch<'_> {
     fn head(&mut self) -> io::Result<()> {
-        write!(self.log, "t_us,state,sequence")?;
+        let mut head = String::from("t_us,state,sequence");
         for group in 0..self.path.groups() {
-            write!(self.log, ",group_{group}")?;
+            head += &format!(",group_{group}");
         }
-        writeln!(self.log)
+        self.row(head)
+    }
+
+    fn row(&mut self, row: String) -> io::Result<()> {
+        self.log.as_mut().map_or(Ok(()), |log| log.row(&(row + "\n")))
     }
 
     /// Draws the progress of the motion.
@@ -331,14 +382,14 @@ impl Watch<'_> {
 impl Watcher for Watch<'_> {
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
         let (time, state) = (telemetry.time, state(telemetry.state));
-        write!(self.log, "{time},{state},{}", telemetry.place.knot)?;
+        let mut row = format!("{time},{state},{}", telemetry.place.knot);
         // No angles are known before the first motion.
         for group in 0..self.path.groups() {
             let angle = telemetry.angles.get(group);
-            let angle = angle.map_or_else(String::new, f32::to_string);
-            write!(self.log, ",{angle}")?;
+            row += ",";
+            row += &angle.map_or_else(String::new, f32::to_string);
         }
-        writeln!(self.log)?;
+        self.row(row)?;
         let due = self.begun.elapsed() >= PATIENCE
             && self.shown.is_none_or(|shown| shown.elapsed() >= PACE);
         if let Some(bar) = self.bar.as_ref().filter(|_| due) {

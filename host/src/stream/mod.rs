@@ -23,5 +23,5 @@ pub use pair::{Pairing, pair};
 pub use path::StreamPath;
 pub use plant::Plant;
 pub use script::{parse_script, read_script};
-pub use session::{Options, Outcome, Summary, Telemetry, Watcher, Wish, run};
-pub use sim::Sim;
+pub use session::{Options, Outcome, Stands, Summary, Telemetry, Watcher, Wish, run};
+pub use sim::{Sim, SimDevice};

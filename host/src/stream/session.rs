@@ -18,13 +18,29 @@ const PATIENCE: u64 = 1_000_000;
 /// line sends fewer in a millisecond; a peer that floods the line is no controller.
 const MAX_BYTES: usize = 4096;
 
+/// Source of the place where the sheet stands at the beginning of a session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stands {
+    /// The controller knows or measures it.
+    #[default]
+    Known,
+    /// An operator has said that the sheet stands where the path begins, whatever the controller knows.
+    AtStart,
+    /// The controller measures it, and forgets what it knew.
+    Measured,
+}
+
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// `true` to begin where the sheet stands, even after a stop line or a fault, instead of at the start of the path.
+    /// `true` to undo whatever holds the sheet at the beginning of the session, a stop line and a fault as well, and to begin
+    /// where the sheet stands instead of at the start of the path. What holds the motion later is not undone.
     pub resume: bool,
-    /// `true` to pass on the operator's word that the sheet stands where the path begins, whatever the controller knows.
-    pub at_start: bool,
+    /// `true` to resume the motion whenever it holds because the line was silent.
+    pub unattended: bool,
+    /// Source of the place where the sheet stands. If it is not [`Stands::Known`], the session begins at the start of the
+    /// path.
+    pub stands: Stands,
     /// Number of the session, different from that of any session with this controller before.
     pub id: u32,
     /// Key that the controller has as well. Without it, a controller that has a key answers nothing.
@@ -66,7 +82,7 @@ pub trait Watcher {
     /// Takes telemetry that has arrived.
     ///
     /// # Errors
-    /// If the telemetry cannot be stored; the session ends then.
+    /// If the telemetry cannot be stored; the motion is held then, and the session ends.
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()>;
 
     /// Returns the current request; called again and again.
@@ -126,7 +142,7 @@ pub struct Summary {
 /// Sends a path over a link until the path is done, or until another outcome ends the session.
 ///
 /// # Errors
-/// If the watcher cannot store telemetry. A broken link is an outcome.
+/// If the watcher cannot store telemetry; the motion is held before. A broken link is an outcome.
 pub fn run(
     link: &mut impl Link,
     path: &StreamPath,
@@ -142,8 +158,17 @@ pub fn run(
         Persistence::None
     };
     let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
-    if options.at_start {
-        driver = driver.confirming();
+    match options.stands {
+        Stands::Known => {}
+        Stands::AtStart => driver = driver.confirming(),
+        Stands::Measured => driver = driver.measuring(),
+    }
+    if options.unattended {
+        driver = driver.unattended();
+    }
+    let reverse = path.reverse();
+    if let Some(items) = reverse.as_ref().and_then(StreamPath::items) {
+        driver = driver.turning(items);
     }
     if let Some(key) = options.key {
         driver = driver.with_key(key, options.nonce);
@@ -161,15 +186,21 @@ pub fn run(
         quit: None,
     };
     let start = link.now();
+    let mut failed = None;
     let end = loop {
-        let looked = session.look(watcher.wish(), link);
+        let wish = match (&failed, watcher.wish()) {
+            (Some(_), Wish::Run) => Wish::Stop,
+            (_, wish) => wish,
+        };
+        let looked = session.look(wish, link);
         let mut broken = looked.err();
         let mut left = MAX_BYTES;
         while broken.is_none()
             && let Some(heard) = session.hear(link, &mut left)
         {
             match heard {
-                Ok(telemetry) => watcher.telemetry(&telemetry)?,
+                Ok(_) if failed.is_some() => {}
+                Ok(telemetry) => failed = watcher.telemetry(&telemetry).err(),
                 Err(error) => broken = Some(error),
             }
         }
@@ -183,7 +214,10 @@ pub fn run(
             break end;
         }
     };
-    Ok(session.summary(end, link.now() - start))
+    match failed {
+        Some(error) => Err(error),
+        None => Ok(session.summary(end, link.now() - start)),
+    }
 }
 
 struct Session<'a> {
@@ -343,6 +377,9 @@ impl Session<'_> {
         if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {
             let reason = "stopped; --resume goes on from where the sheet stands";
             return Some((Outcome::Stopped, reason.into()));
+        }
+        if let Some(reason) = self.driver.held() {
+            return Some((Outcome::Held, words::held(reason)));
         }
         let Some(Err(why)) = sender.answer().filter(|_| state == State::Ready) else {
             return None;

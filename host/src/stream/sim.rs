@@ -14,7 +14,7 @@ use super::{Link, Plant};
 
 /// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
 /// vertices of degree 4, and for 64 setpoints.
-type Device = Controller<256, 16_384, 4096, 64, Keyed>;
+pub type SimDevice = Controller<256, 16_384, 4096, 64, Keyed>;
 
 /// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
 const LIMITS: GroupLimits = GroupLimits {
@@ -30,12 +30,12 @@ const STEP: u64 = 250;
 /// Time between two measurements of the sheet, microseconds.
 const LOOK: u64 = 20_000;
 
-/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond. Without a plant its hinges are exactly
+/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond, if there is no other line. Without a plant its hinges are exactly
 /// at the commanded angles, and before the first command they are where the first path begins.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
-    device: Box<Device>,
+    device: Box<SimDevice>,
     up: Line<Pcg64>,
     down: Line<Pcg64>,
     outgoing: Vec<u8>,
@@ -61,7 +61,7 @@ impl Sim {
         };
         Self {
             now: 0,
-            device: Box::new(Device::keyed(
+            device: Box::new(SimDevice::keyed(
                 Settings {
                     // Any sheet hangs on simulated hinges.
                     closed: false,
@@ -92,8 +92,27 @@ impl Sim {
     pub fn with_key(self, key: Key) -> Self {
         Self {
             plant: self.plant,
+            up: self.up,
+            down: self.down,
             ..Self::keyed(Some(key))
         }
+    }
+
+    /// Puts the controller behind a line with these faults both ways, which are drawn from `seed`.
+    #[must_use]
+    pub fn with_line(self, faults: Faults, seed: u64) -> Self {
+        let line = |way| Line::new(faults, Pcg64::new(u128::from(seed), way));
+        Self {
+            up: line(0),
+            down: line(1),
+            ..self
+        }
+    }
+
+    /// Returns the controller.
+    #[must_use]
+    pub fn device(&self) -> &SimDevice {
+        &self.device
     }
 
     /// Returns the plant that the controller drives.

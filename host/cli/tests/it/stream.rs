@@ -525,14 +525,14 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // twelve messages as well.
     assert!((22..=26).contains(&braking), "{braking}");
 
-    // Without `--resume` the path begins elsewhere.
+    // Without `--resume` the hold stays.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
     assert!(
         summary
             .reason
             .unwrap()
-            .starts_with("group 0 stands elsewhere")
+            .starts_with("a host has asked to hold; --resume goes on")
     );
 
     let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
@@ -580,10 +580,10 @@ fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
     }
 }
 
-type Device = Controller<4, 64, 64, 16>;
+pub(crate) type Device = Controller<4, 64, 64, 16>;
 
 /// A controller behind a stream of bytes. It keeps running when its host disconnects, and its clock is real time.
-struct Served {
+pub(crate) struct Served {
     device: Device,
     start: Instant,
     /// Knot at which the controller is, for the test to read.
@@ -683,7 +683,7 @@ fn is_pause(error: &io::Error) -> bool {
 }
 
 /// Starts a controller, prepared by `prepare`, that serves `hosts` hosts, one after the other, at a port.
-fn served(
+pub(crate) fn served(
     hosts: usize,
     until: fn(&Device) -> bool,
     prepare: fn(&mut Device),
@@ -703,6 +703,29 @@ fn served(
         served.device
     });
     (port, knot, thread)
+}
+
+/// Whatever ends the host, the log has all rows that had come, each whole.
+#[test]
+#[cfg(unix)]
+fn a_killed_host_leaves_a_log_of_whole_rows() {
+    let folder = small();
+    let (port, knot, thread) = served(1, |_| false, |_| {});
+    let stream = format!("stream path.traj --to tcp:{port} --insecure --log log.csv");
+    let mut host = folder.command(&stream).spawn().unwrap();
+    while knot.load(Ordering::Relaxed) < 2 {
+        sleep(Duration::from_millis(1));
+    }
+    host.kill().unwrap();
+    host.wait().unwrap();
+    thread.join().unwrap();
+    let log = folder.read("log.csv");
+    assert!(log.ends_with('\n'), "{log}");
+    let columns = log.lines().next().unwrap().split(',').count();
+    let whole = |line: &str| line.split(',').count() == columns;
+    assert!(log.lines().all(whole), "{log}");
+    let last = log.lines().last().unwrap();
+    assert!(log.lines().count() > 10 && last.contains("Running"), "{log}");
 }
 
 #[test]
