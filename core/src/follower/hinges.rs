@@ -72,7 +72,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.drive_from(0, hinges, drive);
     }
 
-    fn drive_from(
+    /// [Drives](Self::drive) hinges that are numbered from `first` on.
+    pub fn drive_from(
         &mut self,
         first: u32,
         hinges: impl Iterator<Item = Membership>,

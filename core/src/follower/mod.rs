@@ -367,6 +367,18 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         (self.state, self.fault) = (State::Faulted, Some(fault));
     }
 
+    /// Returns the time of the last tick, microseconds.
+    #[must_use]
+    pub fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// Returns `true` if the host was not heard for longer than [`Options::silence`].
+    #[must_use]
+    pub fn is_silent(&self) -> bool {
+        self.now.saturating_sub(self.heard) > u64::from(self.options.silence)
+    }
+
     /// Notes that the host was heard at `now`, microseconds.
     pub fn heard(&mut self, now: u64) {
         self.heard = self.heard.max(now);

@@ -74,8 +74,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
 
     /// Checks for a silent host and for a stalled hinge, after `passed` microseconds.
     fn watch(&mut self, passed: u32) {
-        let silent = self.now.saturating_sub(self.heard) > u64::from(self.options.silence);
-        if silent && !self.is_held() {
+        if self.is_silent() && !self.is_held() {
             self.hold(Reason::Silence);
         }
         if self.is_held() {

@@ -133,14 +133,18 @@ pub enum Denial {
     Empty,
     /// The position to begin at is not on the first segment.
     Place,
-    /// This group stands too far from the beginning of the path.
+    /// This group stands too far from the beginning of the path. Of a hinge that is moved alone: this hinge was measured too
+    /// far from where it is said to stand, or stands too far from its limits.
     Jump(u16),
     /// The stop line is drawn, or something held the motion and nobody has asked to resume since.
     Held,
-    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it.
+    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it. Of a hinge that is moved
+    /// alone: it is not known where this hinge stands.
     Unknown(u16),
     /// The measured angles of this group's hinges differ too much to be one angle.
     Spread(u16),
+    /// The angle is no number or beyond the limits of the board for its hinge, or the board has no such hinge.
+    Range,
 }
 
 impl Denial {
@@ -156,6 +160,7 @@ impl Denial {
             Self::Held => Numbers::variant(6),
             Self::Unknown(group) => Numbers::of(7, group),
             Self::Spread(group) => Numbers::of(8, group),
+            Self::Range => Numbers::variant(9),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::numbers::{Numbers, long, short, wide};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x0363_dc1f;
+pub const SCHEMA: u32 = 0x9c00_e1cc;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,7 +113,7 @@ pub struct SetpointBytes<'a> {
 }
 
 /// Commands of a host.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
     /// Begin to move.
     Start,
@@ -129,6 +129,17 @@ pub enum Command {
     Stand,
     /// Forget where the sheet stands.
     Forget,
+    /// Watch one hinge, and move it slowly if there is an angle to move it to. Angles are in radians and have the sign of
+    /// the hinge itself, valley positive.
+    Jog {
+        /// Number of the hinge.
+        #[serde(with = "short")]
+        hinge: u16,
+        /// Angle at which it stands, by the word of an operator.
+        from: Option<f32>,
+        /// Angle to which it moves; `None` if it is only measured.
+        to: Option<f32>,
+    },
 }
 
 /// The largest numbers for which a controller has room.
@@ -196,6 +207,19 @@ pub enum ToHost<'a> {
         #[serde(with = "short")]
         first: u16,
         /// Commanded angles of groups, 4 bytes each, little endian; none while it is not known where they stand.
+        angles: &'a [u8],
+    },
+    /// Measured angles of some hinges at the moment of the [`Telemetry`](Self::Telemetry) before. May be lost.
+    Measured {
+        /// Microseconds on the controller's clock: those of the telemetry before.
+        #[serde(with = "wide")]
+        time: u64,
+        /// Number of the first hinge.
+        #[serde(with = "short")]
+        first: u16,
+        /// Commanded angle of the first hinge, radians, if it was moved by [`Command::Jog`].
+        target: Option<f32>,
+        /// Measured angles of hinges, 4 bytes each, little endian; NaN for a hinge that was not measured.
         angles: &'a [u8],
     },
 }

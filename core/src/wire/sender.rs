@@ -422,7 +422,7 @@ impl Sender {
                 _ => return None,
             },
             ToHost::Report(report) => self.learn(report, now)?,
-            ToHost::Telemetry { .. } => {}
+            ToHost::Telemetry { .. } | ToHost::Measured { .. } => {}
         }
         self.heard = Some(now);
         Some(message)

@@ -179,6 +179,22 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         first: 48,
         angles: &[0, 0, 128, 63],
     };
+    let measured = ToHost::Measured {
+        time: 1_000_000,
+        first: 300,
+        target: Some(1.5),
+        angles: &[0, 0, 128, 63],
+    };
+    let window = ToHost::Measured {
+        time: 1_000_000,
+        first: 48,
+        target: None,
+        angles: &[0, 0, 128, 63, 0, 0, 192, 127],
+    };
+    let jog = |from, to| {
+        let hinge = 300;
+        bytes(Command::Jog { hinge, from, to })
+    };
     let plain = Report {
         refused: None,
         denied: None,
@@ -264,6 +280,14 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             bytes(telemetry),
             "Telemetry: at 1 s, Running, rate 0.5, 0.5 s behind knot 200, from group 48 on 4 bytes: angle 1",
         ),
+        (
+            bytes(measured),
+            "Measured: at 1 s, hinge 300 alone, commanded 1.5, 4 bytes: angle 1",
+        ),
+        (
+            bytes(window),
+            "Measured: at 1 s, from hinge 48 on, 8 bytes: angle 1, and no number, as hinge 49 was not measured",
+        ),
         (bytes(Interpolation::Linear), "interpolation Linear"),
         (bytes(Interpolation::Hermite), "Hermite"),
         (bytes(Interpolation::HalfAngle), "HalfAngle"),
@@ -275,6 +299,9 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Command::Clear), "Clear"),
         (bytes(Command::Stand), "Stand"),
         (bytes(Command::Forget), "Forget"),
+        (jog(None, Some(1.5)), "Jog: hinge 300 to 1.5"),
+        (jog(Some(1.0), Some(1.5)), "Jog: hinge 300 from 1 to 1.5"),
+        (jog(None, None), "Jog: hinge 300 is watched"),
         (bytes(State::Idle), "state Idle"),
         (bytes(State::Ready), "Ready"),
         (bytes(State::Running), "Running"),
@@ -309,6 +336,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Denial::Held), "Held"),
         (bytes(Denial::Unknown(1)), "Unknown: group 1"),
         (bytes(Denial::Spread(1)), "Spread of group 1"),
+        (bytes(Denial::Range), "Range"),
         (
             bytes(ItemRefusal::Setpoint(Refusal::Order)),
             "item refused, Setpoint: Order",

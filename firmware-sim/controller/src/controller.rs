@@ -14,11 +14,12 @@ use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::transmit::Ring;
-use foldpath_core::{GroupLimits, Membership};
+use foldpath_core::{GroupId, GroupLimits, Membership};
 
 use crate::loader::Loader;
 use crate::retained::Record;
 use crate::sheet::Sheet;
+use crate::window::Window;
 
 /// Length of the longest frame, bytes.
 pub const FRAME: usize = 256;
@@ -28,6 +29,12 @@ pub const WAITING: usize = 512;
 const RESERVE: usize = 4 * cobs::longest(64);
 /// Largest number of groups in a message of telemetry.
 const TOLD: usize = 48;
+/// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
+/// has.
+pub const ALONE: Membership = Membership {
+    group: GroupId(u32::MAX),
+    negative: false,
+};
 
 /// Options of a [`Controller`].
 #[derive(Clone, Copy, Debug)]
@@ -106,8 +113,12 @@ pub struct Controller<
     drawn: bool,
     /// State, reason and room that the host was last told, and whether the stop line holds.
     told: Option<(State, Reason, usize, bool)>,
+    /// Time when telemetry was due last. The tick behind that of the time `asked` is told: `asks` until then.
     telemetry: u64,
+    asks: bool,
+    asked: u64,
     snapshot: Snapshot<GROUPS>,
+    window: Window,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
@@ -166,7 +177,10 @@ impl<
             drawn: false,
             told: None,
             telemetry: 0,
+            asks: false,
+            asked: 0,
             snapshot: Snapshot::none(),
+            window: Window::new(),
         }
     }
 
@@ -210,12 +224,20 @@ impl<
             stopped: self.loader.follower.is_stopped(),
             fault: self.loader.follower.fault(),
             known,
-            commanded: if known {
-                self.loader.sheet.hinges().count()
-            } else {
-                0
-            },
+            commanded: self.commanded(known),
         }
+    }
+
+    /// Returns the number of hinges that are commanded.
+    fn commanded(&self, known: bool) -> usize {
+        let sheet = if known {
+            self.loader.sheet.hinges().count()
+        } else {
+            0
+        };
+        let jog = &self.loader.jog;
+        let alone = jog.hinge().is_some_and(|hinge| usize::from(hinge) >= sheet);
+        sheet + usize::from(alone && jog.target().is_some())
     }
 
     /// Returns the follower, which has the commanded angles.
@@ -280,7 +302,7 @@ impl<
                 let answer = if unaware {
                     Err(Denial::Held)
                 } else {
-                    loader.obey(command)
+                    loader.obey(command, &self.settings)
                 };
                 receiver.answer(answer);
             }
@@ -315,20 +337,64 @@ impl<
 
     /// Moves the follower on to `now`, microseconds.
     pub fn tick(&mut self, now: u64) {
-        self.loader.follower.tick(now);
+        let Loader { follower, jog, .. } = &mut self.loader;
+        let before = follower.now();
+        follower.tick(now);
+        if jog.hinge().is_some() {
+            let failed = follower.state() != State::Idle;
+            let holds = failed || follower.is_stopped() || follower.is_silent();
+            let passed = u32::try_from(now.saturating_sub(before)).unwrap_or(u32::MAX);
+            jog.tick(passed, holds, &self.settings.follower);
+        }
     }
 
     /// Calls `drive` for each hinge with its number, its group and sign, and its target, or `None` while it is not known
     /// where the sheet stands. `drive` returns the measured angle, if there is one. Cost: a multiplication and a
-    /// comparison for each hinge.
+    /// comparison for each hinge; some more with telemetry, or while a hinge is watched or moved alone.
+    ///
+    /// A hinge that is watched or moved alone and is none of the sheet's comes last, with the group [`ALONE`].
     pub fn drive(
         &mut self,
-        drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
+        mut drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
     ) {
         let Loader {
-            sheet, follower, ..
+            sheet,
+            follower,
+            jog,
+            ..
         } = &mut self.loader;
-        follower.drive(sheet.hinges(), drive);
+        let window = &mut self.window;
+        if !(self.asks || jog.hinge().is_some()) {
+            return drive_some(follower, 0, sheet.hinges(), &mut drive);
+        }
+        window.begin(jog.hinge());
+        let told = window.hinges();
+        drive_some(follower, 0, sheet.some_hinges(0..told.start), &mut drive);
+        let (alone, mut hinge) = (jog.target(), told.start);
+        let mut places = window.angles.iter_mut();
+        let mut newest = None;
+        let noting = |hinge, membership, target| {
+            let measurement = drive(hinge, membership, alone.or(target));
+            if let Some(place) = places.next() {
+                let angle = measurement.map_or(f32::NAN, |measurement| measurement.angle);
+                *place = angle.to_le_bytes();
+            }
+            newest = measurement.or(newest);
+            measurement
+        };
+        let some = sheet.some_hinges(told.clone());
+        hinge += some.len();
+        follower.drive_from(number(told.start), some, noting);
+        let rest = sheet.some_hinges(told.end..usize::MAX);
+        window.end(newest.is_some(), hinge - told.start, rest.len());
+        drive_some(follower, number(told.end), rest, &mut drive);
+        if jog.hinge().is_some() {
+            if hinge == told.start {
+                newest = drive(number(hinge), ALONE, alone);
+            }
+            jog.measure(newest);
+            window.narrow(jog, self.settings.follower.fresh);
+        }
     }
 
     /// Puts all answers due at `now`, microseconds, on the line, as far as there is room. If a setpoint is being checked,
@@ -368,6 +434,8 @@ impl<
         }
         if self.receiver.session().is_some() {
             self.tell(now, &mut buffer);
+        } else {
+            self.asks = false;
         }
     }
 
@@ -379,23 +447,64 @@ impl<
     /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
     /// its time is dropped.
     fn tell(&mut self, now: u64, buffer: &mut [u8]) {
-        let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
-        if self.snapshot.sent.is_none() && due {
-            self.telemetry = now;
+        let tick = self.loader.follower.now();
+        if !self.asks {
+            let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
+            if due && self.snapshot.is_sent() {
+                (self.asks, self.asked, self.telemetry) = (true, tick, now);
+                self.window.clear();
+            }
+        } else if tick != self.asked {
+            self.asks = false;
             // On a slow line, answers would otherwise wait behind telemetry that nobody needs any more.
             if self.ring.is_empty() {
                 self.snapshot.take(&self.loader.follower, now);
+            } else {
+                self.window.clear();
             }
         }
-        while let Some(message) = self.snapshot.message() {
+        while let Some(message) = self.message() {
             let frame = self.receiver.post(&message, buffer);
             if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE)) {
                 return;
             }
             self.receiver.posted();
-            self.snapshot.sent();
+            if self.snapshot.is_sent() {
+                self.window.clear();
+            } else {
+                self.snapshot.sent();
+            }
         }
     }
+
+    /// Returns the next message of telemetry: the pieces of the snapshot, and then the window.
+    fn message(&self) -> Option<ToHost<'_>> {
+        if self.asks {
+            return None;
+        }
+        let piece = self.snapshot.message();
+        piece.or_else(|| self.window.message(self.snapshot.time))
+    }
+}
+
+/// Drives some hinges of a sheet. Not inlined, so that an image has the loop over the hinges once.
+#[inline(never)]
+fn drive_some<
+    const GROUPS: usize,
+    const KNOTS: usize,
+    D: FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
+>(
+    follower: &mut Follower<f32, GROUPS, KNOTS>,
+    first: u32,
+    hinges: impl Iterator<Item = Membership>,
+    drive: &mut D,
+) {
+    follower.drive_from(first, hinges, drive);
+}
+
+/// Returns the number of a hinge; those that are sent have 16 bits.
+fn number(hinge: usize) -> u32 {
+    u32::try_from(hinge).unwrap_or(u32::MAX)
 }
 
 /// Tells whether an item was taken, if that is known.
@@ -444,6 +553,11 @@ impl<const GROUPS: usize> Snapshot<GROUPS> {
             self.groups += 1;
         }
         self.sent = Some(0);
+    }
+
+    /// Returns `true` if all pieces were sent.
+    fn is_sent(&self) -> bool {
+        self.sent.is_none()
     }
 
     /// Returns the next piece, if there is one.

@@ -14,11 +14,18 @@ extern crate std;
 
 mod application;
 mod controller;
+mod decimal;
 mod fifo;
+#[cfg(feature = "embedded-hal")]
+pub mod hal;
+mod jog;
 mod loader;
+pub mod map;
 pub mod retained;
 pub mod sheet;
+mod window;
 
 pub use application::{Application, Board, TICK};
-pub use controller::{Condition, Controller, FRAME, Settings, WAITING};
+pub use controller::{ALONE, Condition, Controller, FRAME, Settings, WAITING};
 pub use fifo::Fifo;
+pub use map::{HingeMap, MapError};

@@ -8,6 +8,7 @@ use foldpath_core::{Interpolation, Node};
 use heapless::Vec;
 
 use crate::controller::Settings;
+use crate::jog::Jog;
 use crate::sheet::Sheet;
 
 /// Number of essential vertices that are bounded in a round of the main loop. One of four spokes takes some ten thousand
@@ -24,6 +25,8 @@ pub(crate) struct Loader<
 > {
     pub(crate) sheet: Sheet<GROUPS, HINGES, SPOKES>,
     pub(crate) follower: Follower<f32, GROUPS, KNOTS>,
+    /// Hinge that is watched or moved alone. There is none on a path.
+    pub(crate) jog: Jog,
     /// Groups of the next setpoint that have come in earlier items.
     staged: Vec<Node<f32>, GROUPS>,
     /// `true` while a setpoint is checked.
@@ -45,6 +48,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         Self {
             sheet: Sheet::default(),
             follower,
+            jog: Jog::default(),
             staged: Vec::new(),
             checks: false,
             loaded: false,
@@ -57,6 +61,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
     pub(crate) fn enter(&mut self) {
         self.loaded = false;
         self.staged.clear();
+        self.jog.end();
         if self.follower.is_under_way() {
             self.follower.hold(Reason::Session);
         }
@@ -80,8 +85,38 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         i16::try_from(room).unwrap_or(i16::MAX).cast_unsigned()
     }
 
-    /// Carries out a command. The path of another session does not go on.
-    pub(crate) fn obey(&mut self, command: Command) -> Result<(), Denial> {
+    /// Watches a hinge, or moves it alone. Then it is not known any more where the sheet stands.
+    #[inline(never)]
+    fn jog(
+        &mut self,
+        (hinge, from, to): (u16, Option<f32>, Option<f32>),
+        settings: &Settings,
+    ) -> Result<(), Denial> {
+        let follower = &mut self.follower;
+        // The hinges of a sheet whose place is known are commanded: one of them alone would tear it.
+        if follower.state() != State::Idle || to.is_some() && follower.is_known() {
+            return Err(Denial::State);
+        }
+        if follower.is_stopped() {
+            return Err(Denial::Held);
+        }
+        if usize::from(hinge) >= HINGES {
+            return Err(Denial::Range);
+        }
+        let limits = (settings.limits)(hinge.into());
+        self.jog
+            .ask((hinge, from, to), &limits, &settings.follower)?;
+        if to.is_some() {
+            follower.forget()?;
+            self.path = 0;
+        }
+        Ok(())
+    }
+
+    /// Carries out a command. The path of another session does not go on. The motion of a hinge that is moved alone ends with
+    /// each command.
+    pub(crate) fn obey(&mut self, command: Command, settings: &Settings) -> Result<(), Denial> {
+        self.jog.end();
         let follower = &mut self.follower;
         match command {
             Command::Start | Command::Stand if !self.loaded => Err(Denial::State),
@@ -118,6 +153,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 self.sheet.clear();
                 Ok(())
             }
+            Command::Jog { hinge, from, to } => self.jog((hinge, from, to), settings),
         }
     }
 
@@ -196,6 +232,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             return Err(ItemRefusal::Path(Denial::State));
         }
         self.sheet.adopt(settings.limits)?;
+        self.jog = Jog::default();
         let sheet = self.sheet.identity();
         // 0 stands for angles that the board itself has told.
         if self.on != 0 && self.on != sheet {

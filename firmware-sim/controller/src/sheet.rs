@@ -3,6 +3,8 @@
 //! The hinges of the sheet before stay until the new sheet is complete and its first setpoint has come, so that somebody
 //! owns every drive at every time.
 
+use core::ops::Range;
+
 use foldpath_core::acceptance::SheetView;
 use foldpath_core::wire::message::{ItemRefusal, SheetHead};
 use foldpath_core::wire::path;
@@ -204,8 +206,18 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     }
 
     /// Iterates over group and sign of each hinge that is driven.
-    pub fn hinges(&self) -> impl Iterator<Item = Membership> {
-        self.driven.iter().map(|code| path::hinge(*code))
+    pub fn hinges(&self) -> impl ExactSizeIterator<Item = Membership> {
+        self.some_hinges(0..usize::MAX)
+    }
+
+    /// Iterates over group and sign of those hinges that are driven and in this range.
+    pub(crate) fn some_hinges(
+        &self,
+        hinges: Range<usize>,
+    ) -> impl ExactSizeIterator<Item = Membership> {
+        let end = hinges.end.min(self.driven.len());
+        let some = self.driven.get(hinges.start..end).unwrap_or(&[]);
+        some.iter().map(|code| path::hinge(*code))
     }
 }
 

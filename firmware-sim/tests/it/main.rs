@@ -2,6 +2,7 @@
 
 mod faults;
 mod fuzz;
+mod jog;
 mod links;
 mod loading;
 mod machine;

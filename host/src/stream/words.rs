@@ -71,6 +71,9 @@ pub(super) fn denial(denial: Denial) -> String {
             "the hinges of group {group} are measured at different angles; --at flat, --at goal or --at start says where \
              the sheet stands"
         ),
+        Denial::Range => {
+            "the angle is beyond the limits of the controller's board for this hinge".into()
+        }
     }
 }
 

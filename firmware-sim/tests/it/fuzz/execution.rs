@@ -26,6 +26,8 @@ pub(crate) struct Tally {
     pub(crate) moved: u64,
     pub(crate) done: u64,
     pub(crate) faulted: u64,
+    /// Ticks in which a hinge moved alone.
+    pub(crate) jogged: u64,
 }
 
 impl Tally {
@@ -36,6 +38,7 @@ impl Tally {
         self.moved += other.moved;
         self.done += other.done;
         self.faulted += other.faulted;
+        self.jogged += other.jogged;
     }
 }
 
@@ -82,6 +85,8 @@ struct Execution<'a> {
     endless: bool,
     /// `true` while the host makes no mistake on purpose.
     calm: bool,
+    /// `true` if the host moves hinges alone.
+    jogs: bool,
     /// The frames that were sent last.
     sent: Vec<Vec<u8>>,
     tally: Tally,
@@ -112,6 +117,8 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
         first: 0,
         endless: false,
         calm: true,
+        // The executions that have found faults are as they were before there were jogs.
+        jogs: number % 4 < 2,
         sent: Vec::new(),
         tally: Tally::default(),
     };
@@ -123,6 +130,7 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
         moved: u64::from(subject.passed > 0),
         done: u64::from(state == State::Done),
         faulted: u64::from(state == State::Faulted),
+        jogged: subject.jogged,
         ..tally
     }
 }
@@ -178,7 +186,25 @@ impl Execution<'_> {
         }
     }
 
+    /// Watches or moves a hinge, which there is or not.
+    fn jog(&mut self) {
+        let mut angle = || match self.below(4) {
+            0 => None,
+            1 => Some(self.number()),
+            _ => Some(self.part() - 0.5),
+        };
+        let (from, to) = (angle(), angle());
+        let hinge = u16::try_from(self.below(66)).unwrap();
+        self.say(&ToDevice::Command {
+            number: self.command.wrapping_add(1),
+            command: Command::Jog { hinge, from, to },
+        });
+    }
+
     fn anything(&mut self) {
+        if self.jogs && self.one_in(6) {
+            self.jog();
+        }
         match self.below(24) {
             0..6 => self.ticks(),
             6..11 => self.setpoint(false),

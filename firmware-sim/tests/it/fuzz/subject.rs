@@ -47,6 +47,9 @@ pub(crate) struct Subject<'a> {
     pub(crate) pristine: bool,
     /// Number of knots that were passed.
     pub(crate) passed: u64,
+    /// Hinge that is commanded alone, and its angle; and the number of ticks in which it moved.
+    alone: Option<(u32, f32)>,
+    pub(crate) jogged: u64,
     /// `true` while nobody takes the device's bytes.
     pub(crate) deaf: bool,
     /// `true` if the answers that come may be old.
@@ -90,6 +93,8 @@ impl<'a> Subject<'a> {
             miura: false,
             pristine: false,
             passed: 0,
+            alone: None,
+            jogged: 0,
             deaf: false,
             behind: false,
             path,
@@ -304,7 +309,46 @@ impl<'a> Subject<'a> {
             assert!(self.now <= self.heard + 500_000, "a silent host");
         }
         self.rates(&before, &after, passed);
+        self.drives(passed);
         self.last_tick = self.last_tick.max(now);
+    }
+
+    /// Checks that at most one hinge is commanded while it is not known where the sheet stands, that it moves by at most
+    /// 0.1 rad/s, and only while there is no path and nothing holds. Hinges of odd numbers that are none of the sheet's are
+    /// measured at 0.25 rad.
+    fn drives(&mut self, passed: u64) {
+        let (known, hinges) = (
+            self.device.follower().is_known(),
+            self.device.sheet().hinges().count(),
+        );
+        let mut commanded = Vec::new();
+        self.device.drive(|hinge, _, target| {
+            commanded.extend(target.map(|target| (hinge, target.angle)));
+            let measured = hinge as usize >= hinges && hinge % 2 == 1;
+            measured.then_some(0.25.into())
+        });
+        assert_eq!(self.device.condition().commanded, commanded.len());
+        if known {
+            self.alone = None;
+            return;
+        }
+        assert!(commanded.len() <= 1, "{commanded:?}");
+        let before = core::mem::replace(&mut self.alone, commanded.first().copied());
+        let Some((hinge, angle)) = self.alone else {
+            return;
+        };
+        assert!(hinge < 64 && angle.abs() <= BOARD.upper + 0.1);
+        let follower = self.device.follower();
+        let idle = follower.state() == State::Idle && !follower.is_stopped();
+        #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
+        let most = if idle { 1e-7 * passed as f32 } else { 0.0 };
+        if let Some((_, was)) = before.filter(|(other, _)| *other == hinge) {
+            assert!(
+                (angle - was).abs() <= most * 1.001 + 1e-6 * most.signum().max(0.0),
+                "{was} to {angle} in {passed}"
+            );
+            self.jogged += u64::from(angle.to_bits() != was.to_bits());
+        }
     }
 
     /// Checks that the rate of the clock changes by at most 4 a second, and is 0 if no path is left.
@@ -510,6 +554,7 @@ impl<'a> Subject<'a> {
         (self.answers, self.items) = (Deframer::default(), Stream::default());
         self.enter(0);
         self.taken.clear();
+        self.alone = None;
         self.level = false;
         (self.last_tick, self.heard, self.now) = (0, 0, 1000);
         let follower = self.device.follower();
@@ -544,7 +589,7 @@ fn frame_allows(message: &Message, from: &Look, to: &Look) -> bool {
         Message::Command(_, 6) => {
             stays || matches!(changes, (Holding | Done, Idle)) && from.rate == 0
         }
-        Message::Command(_, 5) => stays,
+        Message::Command(_, 5 | 7) => stays,
         Message::Nodes => {
             let refused = matches!(to.reason, Reason::Refused(_));
             stays || changes == (Running, Holding) && refused

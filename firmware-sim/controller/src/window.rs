@@ -1,0 +1,87 @@
+//! Measured angles for telemetry: a window of hinges that goes round the sheet, so that no board needs memory for all.
+
+use core::ops::Range;
+
+use foldpath_core::wire::message::ToHost;
+
+use crate::jog::Jog;
+
+/// Largest number of hinges in a window.
+const WIDTH: u16 = 48;
+
+/// The angles that were measured of some hinges in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// Number of the first hinge of the next window of the sheet.
+    next: u16,
+    /// Number of the first hinge of this window, its commanded angle if it is moved alone, and the number of hinges; 0 if
+    /// there is nothing to tell.
+    first: u16,
+    target: Option<f32>,
+    count: u16,
+    pub(crate) angles: [[u8; 4]; WIDTH as usize],
+}
+
+impl Window {
+    pub(crate) const fn new() -> Self {
+        Self {
+            next: 0,
+            first: 0,
+            target: None,
+            count: 0,
+            angles: [[0; 4]; WIDTH as usize],
+        }
+    }
+
+    /// Begins a window: of the hinge alone that is watched or moved, or of the hinges behind the window before.
+    #[inline(never)]
+    pub(crate) fn begin(&mut self, alone: Option<u16>) {
+        self.first = alone.unwrap_or(self.next);
+        self.count = if alone.is_some() { 1 } else { WIDTH };
+        self.target = None;
+    }
+
+    /// Returns the numbers of the window's hinges, which the sheet may not have.
+    pub(crate) fn hinges(&self) -> Range<usize> {
+        let first = usize::from(self.first);
+        first..first + usize::from(self.count)
+    }
+
+    /// Ends a window of `hinges` hinges with some `behind` it, of which one was `measured` or none.
+    pub(crate) fn end(&mut self, measured: bool, hinges: usize, behind: usize) {
+        let next = self.first.saturating_add(self.count);
+        self.next = if behind > 0 { next } else { 0 };
+        self.count = if measured {
+            u16::try_from(hinges).unwrap_or(WIDTH)
+        } else {
+            0
+        };
+    }
+
+    /// Makes this the window of the hinge alone that is watched or moved: of its newest measured and its commanded angle.
+    #[inline(never)]
+    pub(crate) fn narrow(&mut self, jog: &Jog, fresh: u32) {
+        let measured = jog.measured(fresh);
+        self.target = jog.target().map(|target| target.angle);
+        let [bytes, ..] = &mut self.angles;
+        *bytes = measured.unwrap_or(f32::NAN).to_le_bytes();
+        self.next = 0;
+        self.count = u16::from(measured.is_some() || self.target.is_some());
+    }
+
+    /// Drops the window, because it was told or is too old.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Returns the message that tells this window at `time`, microseconds; `None` if there is nothing to tell.
+    pub(crate) fn message(&self, time: u64) -> Option<ToHost<'_>> {
+        let angles = self.angles.get(..usize::from(self.count))?;
+        (!angles.is_empty()).then_some(ToHost::Measured {
+            time,
+            first: self.first,
+            target: self.target,
+            angles: angles.as_flattened(),
+        })
+    }
+}
