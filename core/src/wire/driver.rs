@@ -255,9 +255,7 @@ impl<'a> Driver<'a> {
         match report.reason {
             Reason::Silence => self.unattended || self.recovers(),
             // The refused setpoint belongs to the path of an earlier session.
-            Reason::Refused(_) => {
-                self.recovers() && !self.started && report.refused.is_none()
-            }
+            Reason::Refused(_) => self.recovers() && !self.started && report.refused.is_none(),
             reason => is_latched(reason) && self.recovers(),
         }
     }
@@ -286,8 +284,10 @@ impl<'a> Driver<'a> {
         if self.undoes(report) {
             return Some(Command::Resume);
         }
-        // The controller's queue is as full as it can be.
-        let full = self.is_sent() || report.limit == report.next;
+        // The controller's queue is as full as it can be, or the rest of the path is before the command on the line. If a
+        // setpoint of the rest gets lost, the motion waits for it at the last one before it.
+        let items = self.begun.0.map(|items| items.len() as u64);
+        let full = items == Some(self.sender.under_way()) || report.limit == report.next;
         let command = if report.known && (self.confirms || self.measures) {
             Command::Forget
         } else if self.confirms {
@@ -309,10 +309,6 @@ impl<'a> Driver<'a> {
 fn is_latched(reason: Reason) -> bool {
     matches!(
         reason,
-        Reason::Asked
-            | Reason::Silence
-            | Reason::StopLine
-            | Reason::Session
-            | Reason::Refused(_)
+        Reason::Asked | Reason::Silence | Reason::StopLine | Reason::Session | Reason::Refused(_)
     )
 }

@@ -217,6 +217,12 @@ impl Sender {
         self.acked
     }
 
+    /// Returns the number of items that were sent and are not known to be lost.
+    #[must_use]
+    pub fn under_way(&self) -> u64 {
+        self.next
+    }
+
     /// Returns the number of items that were sent again.
     #[must_use]
     pub fn repeated(&self) -> u64 {

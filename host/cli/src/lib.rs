@@ -11,6 +11,7 @@ mod batch;
 mod check;
 mod choice;
 mod complete;
+mod drive;
 mod export;
 mod fonts;
 mod generate;
@@ -110,6 +111,7 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Export(args) => export::run(&args, quiet),
         args::Command::Batch(args) => batch::run(&args, quiet, program),
         args::Command::Stream(args) => stream::run(&args, quiet),
+        args::Command::Drive(args) => drive::run(&args),
         args::Command::Pair(args) => pair::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),

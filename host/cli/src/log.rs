@@ -89,10 +89,16 @@ mod tests {
         let mut log = Log::create(&path).unwrap();
         for rows in 1..4 {
             log.row("1,Idle\n").unwrap();
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), "1,Idle\n".repeat(rows));
+            assert_eq!(
+                std::fs::read_to_string(&path).unwrap(),
+                "1,Idle\n".repeat(rows)
+            );
         }
         let mut full = Log::create(Path::new("/dev/full")).unwrap();
         let error = full.row("1,Idle\n").unwrap_err();
-        assert_eq!(full.failed(error).to_string(), "/dev/full: no storage space");
+        assert_eq!(
+            full.failed(error).to_string(),
+            "/dev/full: no storage space"
+        );
     }
 }

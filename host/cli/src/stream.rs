@@ -2,6 +2,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -20,8 +21,8 @@ use crate::standard::{Input, print_summary, shown, source};
 use crate::{Answer, CliError, check_output, print_json};
 use foldpath::folding::Rigidity;
 use foldpath::stream::{
-    self, Faulty, Link, Options, Outcome, Plant, Sim, Stands, StreamPath, Summary, Telemetry,
-    Watcher, Wish,
+    self, Faulty, Link, Measured, Options, Outcome, Plant, Sim, Stands, StreamPath, Summary,
+    Telemetry, Watcher, Wish,
 };
 
 #[derive(Serialize)]
@@ -34,6 +35,11 @@ struct StreamJson<'a> {
     refused: u64,
     max_closure: f64,
     duration: f64,
+    /// Largest measured distance of a hinge from its command, degrees, and the hinge.
+    max_lag: Option<f64>,
+    lag_hinge: Option<usize>,
+    /// Smoothed time of a round trip on the line, seconds.
+    round_trip: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     max_deformation: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,12 +73,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
-    let key = args.key.as_deref().map(key::read).transpose()?;
-    if matches!(args.to, Target::Tcp(_)) && key.is_none() && !args.insecure {
-        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
-                    sheet";
-        return Err(CliError::Usage(what.into()));
-    }
+    let key = key_for(&args.to, args.key.as_deref(), args.insecure)?;
     let host = Host {
         key,
         ..Host::default()
@@ -94,18 +95,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             summary
         }
         Target::Qemu => {
-            let image = match &args.image {
-                Some(image) if image.is_file() => image.clone(),
-                Some(image) => {
-                    let image = image.display();
-                    let text =
-                        format!("--image: expected the file of an image, found none at {image}");
-                    return Err(CliError::Usage(text));
-                }
-                None => {
-                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
-                }
-            };
+            let image = image(args.image.as_deref())?;
             let name = format!("qemu-system-arm with {}", image.display());
             connected(&name, Emulator::start(&image, key), args, &path, host, bars)?
         }
@@ -122,6 +112,40 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     Ok(summary.outcome == Outcome::Done)
 }
 
+/// Reads the key for a line to a controller, if there is one.
+///
+/// # Errors
+/// If the key cannot be read, or if a line over a network has none.
+pub(crate) fn key_for(
+    to: &Target,
+    file: Option<&Path>,
+    insecure: bool,
+) -> Result<Option<Key>, CliError> {
+    let key = file.map(key::read).transpose()?;
+    if matches!(to, Target::Tcp(_)) && key.is_none() && !insecure {
+        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
+                    sheet";
+        return Err(CliError::Usage(what.into()));
+    }
+    Ok(key)
+}
+
+/// Returns the file of the emulated board's image.
+///
+/// # Errors
+/// If there is no such file, or none is named and none can be built.
+pub(crate) fn image(named: Option<&Path>) -> Result<PathBuf, CliError> {
+    match named {
+        Some(image) if image.is_file() => Ok(image.to_path_buf()),
+        Some(image) => {
+            let image = image.display();
+            let text = format!("--image: expected the file of an image, found none at {image}");
+            Err(CliError::Usage(text))
+        }
+        None => default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}"))),
+    }
+}
+
 /// Checks that the path begins where an operator says that the sheet stands.
 fn check_place(at: At, path: &StreamPath) -> Result<(), CliError> {
     let (flat, goal) = (path.begins_flat(), path.begins_at_goal());
@@ -136,15 +160,28 @@ fn check_place(at: At, path: &StreamPath) -> Result<(), CliError> {
         "the path"
     };
     let (begins, instead) = match (flat, goal) {
-        (true, _) => ("flat".to_string(), "--at flat, or turn the path round by --reverse"),
-        (_, true) => ("at the goal".to_string(), "--at goal, or leave --reverse out"),
+        (true, _) => (
+            "flat".to_string(),
+            "--at flat, or turn the path round by --reverse",
+        ),
+        (_, true) => (
+            "at the goal".to_string(),
+            "--at goal, or leave --reverse out",
+        ),
         (false, false) => {
-            let angles = path.view().and_then(|view| view.knot(0)).map(|knot| knot.angles);
+            let angles = path
+                .view()
+                .and_then(|view| view.knot(0))
+                .map(|knot| knot.angles);
             let angles = angles.unwrap_or_default().iter();
             let angles = angles.map(|angle| angle.to_degrees());
-            let (group, most) = (0..).zip(angles).fold((0, 0.0_f32), |a, b| {
-                if b.1.abs() > a.1.abs() { b } else { a }
-            });
+            let (group, most) =
+                (0..).zip(angles).fold(
+                    (0, 0.0_f32),
+                    |a, b| {
+                        if b.1.abs() > a.1.abs() { b } else { a }
+                    },
+                );
             (
                 format!("folded, with group {group} at {most:.3} degrees"),
                 "--at start if it stands there, or --at measured",
@@ -192,6 +229,8 @@ fn connected(
             retransmitted: 0,
             refused: 0,
             max_closure: 0.0,
+            lag: None,
+            round_trip: None,
             duration: 0,
         }),
     }
@@ -273,11 +312,18 @@ fn logged(
         shown: None,
         bar: shown.then(progress::hidden_bar),
     };
-    let followed = watch.head().and_then(|()| stream::run(link, path, options, &mut watch));
+    let followed = watch
+        .head()
+        .and_then(|()| stream::run(link, path, options, &mut watch));
     followed.map_err(|error| match &watch.log {
         Some(log) => log.failed(error),
         None => CliError::Output(error),
     })
+}
+
+#[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
+fn seconds(micros: u64) -> f64 {
+    micros as f64 / 1e6
 }
 
 fn report(
@@ -287,8 +333,7 @@ fn report(
     rigidity: Option<Rigidity>,
     quiet: bool,
 ) -> Result<(), CliError> {
-    #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
-    let duration = summary.duration as f64 / 1e6;
+    let duration = seconds(summary.duration);
     let json = StreamJson {
         outcome: summary.outcome.name(),
         reason: summary.reason.as_deref(),
@@ -298,6 +343,9 @@ fn report(
         refused: summary.refused,
         max_closure: summary.max_closure,
         duration,
+        max_lag: summary.lag.map(|lag| f64::from(lag.angle).to_degrees()),
+        lag_hinge: summary.lag.map(|lag| lag.hinge),
+        round_trip: summary.round_trip.map(seconds),
         max_deformation: rigidity.map(|rigidity| rigidity.deformation),
         max_gap: rigidity.map(|rigidity| rigidity.gap),
     };
@@ -321,6 +369,12 @@ fn report(
         json.refused,
         json.max_closure,
     );
+    if let Some((lag, hinge)) = json.max_lag.zip(json.lag_hinge) {
+        text += &format!("  lag          {lag:.3} degrees at most, of hinge {hinge}\n");
+    }
+    if let Some(time) = json.round_trip {
+        text += &format!("  round trip   {:.1} ms\n", 1e3 * time);
+    }
     if let Some(Rigidity {
         deformation, gap, ..
     }) = rigidity
@@ -351,11 +405,17 @@ impl Watch<'_> {
         for group in 0..self.path.groups() {
             head += &format!(",group_{group}");
         }
+        head += ",max_lag,lag_hinge,retransmitted,round_trip_us";
+        for hinge in 0..self.path.hinges().len() {
+            head += &format!(",hinge_{hinge}");
+        }
         self.row(head)
     }
 
     fn row(&mut self, row: String) -> io::Result<()> {
-        self.log.as_mut().map_or(Ok(()), |log| log.row(&(row + "\n")))
+        self.log
+            .as_mut()
+            .map_or(Ok(()), |log| log.row(&(row + "\n")))
     }
 
     /// Draws the progress of the motion.
@@ -374,7 +434,16 @@ impl Watch<'_> {
         };
         let state = state(telemetry.state);
         let last = times.len().saturating_sub(1);
-        let what = format!("{state}, knot {knot} of {last}, groups at{angles}{more} degrees");
+        let lag = telemetry.lag.map_or_else(String::new, |lag| {
+            format!(", lag {:.2} of hinge {}", lag.angle.to_degrees(), lag.hinge)
+        });
+        let trip = telemetry.round_trip.map_or_else(String::new, |time| {
+            format!(", round trip {:.0} ms", 1e3 * seconds(time))
+        });
+        let again = telemetry.retransmitted;
+        let what = format!(
+            "{state}, knot {knot} of {last}, groups at{angles}{more} degrees{lag}{trip}, {again} items again"
+        );
         progress::show(bar, &what, Some(part.into()));
     }
 }
@@ -388,6 +457,22 @@ impl Watcher for Watch<'_> {
             let angle = telemetry.angles.get(group);
             row += ",";
             row += &angle.map_or_else(String::new, f32::to_string);
+        }
+        let lag = telemetry.lag.map(|lag| (lag.angle, lag.hinge));
+        let lag = lag.map_or_else(|| ",".into(), |(angle, hinge)| format!("{angle},{hinge}"));
+        let trip = telemetry
+            .round_trip
+            .map_or_else(String::new, |time| time.to_string());
+        row += &format!(",{lag},{},{trip}", telemetry.retransmitted);
+        let Measured { first, angles } = &telemetry.measured;
+        for hinge in 0..self.path.hinges().len() {
+            let angle = hinge
+                .checked_sub(*first)
+                .and_then(|place| angles.get(place));
+            row += ",";
+            row += &angle
+                .filter(|angle| !angle.is_nan())
+                .map_or_else(String::new, f32::to_string);
         }
         self.row(row)?;
         let due = self.begun.elapsed() >= PATIENCE

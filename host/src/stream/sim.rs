@@ -14,7 +14,10 @@ use super::{Link, Plant};
 
 /// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
 /// vertices of degree 4, and for 64 setpoints.
-pub type SimDevice = Controller<256, 16_384, 4096, 64, Keyed>;
+pub type SimDevice = Controller<256, HINGES, 4096, 64, Keyed>;
+
+/// Number of hinges for which the controller has room.
+const HINGES: usize = 16_384;
 
 /// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
 const LIMITS: GroupLimits = GroupLimits {
@@ -40,6 +43,8 @@ pub struct Sim {
     down: Line<Pcg64>,
     outgoing: Vec<u8>,
     plant: Option<Plant>,
+    /// Angles of hinges that are moved one by one, radians.
+    hinges: Vec<f32>,
 }
 
 impl Sim {
@@ -75,6 +80,7 @@ impl Sim {
             down: line(),
             outgoing: Vec::new(),
             plant: None,
+            hinges: Vec::new(),
         }
     }
 
@@ -87,11 +93,21 @@ impl Sim {
         }
     }
 
+    /// Starts a controller of hinges without a sheet, which stand at 0, move as they are commanded, and are measured.
+    #[must_use]
+    pub fn bench() -> Self {
+        Self {
+            hinges: vec![0.0; HINGES],
+            ..Self::new()
+        }
+    }
+
     /// Starts the controller anew with a key.
     #[must_use]
     pub fn with_key(self, key: Key) -> Self {
         Self {
             plant: self.plant,
+            hinges: self.hinges,
             up: self.up,
             down: self.down,
             ..Self::keyed(Some(key))
@@ -159,11 +175,19 @@ impl Link for Sim {
                 let _ = self.device.follower_mut().confirm();
             }
             if let Some(plant) = &mut self.plant {
-                plant.turn(self.now, self.device.follower_mut());
+                plant.turn(self.now, &mut self.device);
                 if self.now.is_multiple_of(LOOK) {
                     plant.look();
                 }
             }
+        }
+        if !self.hinges.is_empty() && self.now.is_multiple_of(4 * STEP) {
+            let hinges = &mut self.hinges;
+            self.device.drive(|hinge, _, target| {
+                let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
+                *angle = target.map_or(*angle, |target| target.angle);
+                Some((*angle).into())
+            });
         }
         self.device.poll(self.now);
         while self.down.is_free(self.now)

@@ -132,7 +132,10 @@ fn a_fold_over_a_slow_line_takes_three_tenths_longer_than_its_motion() {
         "path {end:.3} s, motion {motion:.3} s, session: median {middle:.3} s, nine in ten {most:.3} s, worst \
          {worst:.3} s of {SEEDS}"
     );
-    assert!(most <= 1.3 * motion && worst <= 1.5 * motion, "{times:?} of {motion}");
+    assert!(
+        most <= 1.3 * motion && worst <= 1.5 * motion,
+        "{times:?} of {motion}"
+    );
 }
 
 /// The clock brakes from 1 to 0 at 4 a second, in 250 ms.

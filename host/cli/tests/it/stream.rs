@@ -144,15 +144,16 @@ struct Row {
 
 fn rows(log: &str) -> Vec<Row> {
     let mut lines = log.lines();
-    assert_eq!(
-        lines.next(),
-        Some("t_us,state,sequence,group_0,group_1"),
+    let head = lines.next().unwrap();
+    assert!(
+        head.starts_with("t_us,state,sequence,group_0,group_1,max_lag,lag_hinge,retransmitted,round_trip_us,hinge_0,hinge_1,"),
         "{log}"
     );
+    let columns = head.split(',').count();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(cells.len(), 5, "{line}");
-        let angles = cells[3..].iter().filter(|cell| !cell.is_empty());
+        assert_eq!(cells.len(), columns, "{line}");
+        let angles = cells[3..5].iter().filter(|cell| !cell.is_empty());
         Row {
             micros: cells[0].parse().unwrap(),
             state: cells[1].into(),
@@ -192,11 +193,14 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
     let contract = [
         "bytes_sent",
         "duration",
+        "lag_hinge",
         "max_closure",
+        "max_lag",
         "outcome",
         "reason",
         "refused",
         "retransmitted",
+        "round_trip",
         "setpoints",
     ];
     assert_eq!(keys, contract);
@@ -204,6 +208,13 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
         (&json["outcome"], &json["reason"]),
         (&"done".into(), &Value::Null)
     );
+    // Ideal hinges have no sensors. The line takes a millisecond each way, and the time of the frames.
+    assert_eq!(
+        (&json["max_lag"], &json["lag_hinge"]),
+        (&Value::Null, &Value::Null)
+    );
+    let trip = json["round_trip"].as_f64().unwrap();
+    assert!((0.002..0.01).contains(&trip), "{trip}");
     let bytes = std::fs::read(folder.path("path.traj")).unwrap();
     let file = TrajectoryFile::read(&bytes).unwrap();
     assert_eq!(json["setpoints"], file.len());
@@ -387,6 +398,48 @@ fn the_command_adds_faults_from_a_seed() {
 fn driven(folder: &Folder, options: &str) -> Value {
     let stream = "stream path.traj --to sim --sheet path.fold --json";
     folder.run(&format!("{stream} {options}")).json()
+}
+
+/// Drives that lag by a hundredth of a second are as far behind as they turn in that time.
+#[test]
+fn measured_angles_and_their_lag_are_told_and_logged() {
+    let folder = small();
+    let stream = "stream path.traj --to sim --drives lag=0.01 --log log.csv";
+    let json = folder.done(&format!("{stream} --json")).json();
+    let lag = json["max_lag"].as_f64().unwrap();
+    assert!((0.5..1.0).contains(&lag), "{json}");
+    let hinge = json["lag_hinge"].as_u64().unwrap();
+    assert!(hinge < 12, "{json}");
+    let log = folder.read("log.csv");
+    let mut lines = log
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<&str>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|cell| *cell == name).unwrap();
+    let (mut worst, mut measured) = (0.0_f64, 0);
+    let path = read(&folder);
+    for row in lines {
+        let number = |name: &str| row[column(name)].parse::<f64>().ok();
+        let Some(largest) = number("max_lag") else {
+            continue;
+        };
+        measured += 1;
+        worst = worst.max(largest);
+        // Twelve hinges are measured with each telemetry, and the lag is that of the row's own angles.
+        let lags = path.hinges().iter().enumerate().map(|(hinge, member)| {
+            let told = number(&format!("group_{}", member.group.index())).unwrap();
+            let sign = if member.negative { -1.0 } else { 1.0 };
+            (number(&format!("hinge_{hinge}")).unwrap() - sign * told).abs()
+        });
+        assert!((lags.fold(0.0, f64::max) - largest).abs() < 1e-6, "{row:?}");
+    }
+    assert!(measured > 50, "{measured}");
+    assert!((worst.to_degrees() - lag).abs() < 1e-4, "{worst} {lag}");
+    let text = folder.done(stream).stdout;
+    assert!(
+        text.contains("  lag          ") && text.contains("  round trip   "),
+        "{text}"
+    );
 }
 
 /// The true angles of the hinges determine the true shape of the sheet.
@@ -630,6 +683,7 @@ impl Served {
                 Err(_) => return,
             }
             self.device.tick(now);
+            self.device.drive(|_, _, _| None);
             self.device.poll(now);
             self.knot
                 .store(self.device.follower().position().knot, Ordering::Relaxed);
@@ -725,7 +779,10 @@ fn a_killed_host_leaves_a_log_of_whole_rows() {
     let whole = |line: &str| line.split(',').count() == columns;
     assert!(log.lines().all(whole), "{log}");
     let last = log.lines().last().unwrap();
-    assert!(log.lines().count() > 10 && last.contains("Running"), "{log}");
+    assert!(
+        log.lines().count() > 10 && last.contains("Running"),
+        "{log}"
+    );
 }
 
 #[test]
