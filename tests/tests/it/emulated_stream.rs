@@ -8,7 +8,9 @@ use crate::image::{image, turn};
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
 use foldpath::read::fold::read_motion;
-use foldpath::stream::{Faulty, Link, Options, Outcome, Stands, StreamPath, Summary, Telemetry, Wish};
+use foldpath::stream::{
+    Faulty, Link, Options, Outcome, Stands, StreamPath, Summary, Telemetry, Wish,
+};
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -41,7 +43,11 @@ fn session(
     let (id, resume) = host;
     let options = Options {
         resume,
-        stands: if id == 1 { Stands::AtStart } else { Stands::Known },
+        stands: if id == 1 {
+            Stands::AtStart
+        } else {
+            Stands::Known
+        },
         id,
         ..Options::default()
     };
