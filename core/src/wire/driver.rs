@@ -1,5 +1,5 @@
-//! The policy of a host: sends a path from the place where it is to begin, starts it, and resumes when something held
-//! it, as far as its [`Persistence`] says.
+//! The policy of a host: sends a path from the place where it is to begin, starts it, and undoes what holds it, as far as
+//! its [`Persistence`] says.
 
 use crate::follower::{FollowerPosition, Reason, State};
 use crate::wire::cobs::Deframer;
@@ -13,17 +13,17 @@ const COMMAND_INTERVAL_US: u64 = 100_000;
 /// Length of the longest frame from a controller, bytes.
 const MAX_FRAME_BYTES: usize = 512;
 
-/// Events after which a host resumes a path. Every variant resumes after a silence, and after whatever held an earlier
-/// session.
+/// Holds that a host undoes: it sends `Resume`, and `Clear` after a fault. [`Driver::held`] tells what holds the motion and
+/// is not undone; unless that is the stop line alone, the host then sends nothing but signs of life.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Persistence {
-    /// Begins at the start of the path. A stop line or a fault is the end.
+    /// Begins at the start of the path, and undoes nothing.
     #[default]
     None,
-    /// Begins at the place where the sheet stands, even after a stop line or a fault. A later stop line or fault is the
-    /// end.
+    /// Begins at the place where the sheet stands, and undoes whatever holds it at the beginning of the session, a stop line
+    /// and a fault as well. Once the path has started, it undoes nothing.
     Resume,
-    /// As [`Resume`](Persistence::Resume), and resumes after every stop line and clears every fault.
+    /// As [`Resume`](Persistence::Resume), and goes on undoing whatever holds the motion.
     Always,
 }
 
@@ -51,6 +51,8 @@ pub struct Driver<'a> {
     deframer: Deframer<MAX_FRAME_BYTES>,
     persistence: Persistence,
     path: PathItems<'a>,
+    /// Reverse of the path.
+    reverse: Option<PathItems<'a>>,
     begun: Begun<'a>,
     /// Position that the controller told, if it is not on the path.
     astray: Option<FollowerPosition<f32>>,
@@ -58,6 +60,10 @@ pub struct Driver<'a> {
     stopping: bool,
     /// `true` until the operator's word was passed on that the sheet stands where the path begins.
     confirms: bool,
+    /// `true` if the controller has to forget where the sheet stands, and to measure it.
+    measures: bool,
+    /// `true` if the host resumes whenever the line was silent.
+    unattended: bool,
     asked: Option<u64>,
 }
 
@@ -70,11 +76,14 @@ impl<'a> Driver<'a> {
             deframer: Deframer::default(),
             persistence,
             path,
+            reverse: None,
             begun: Begun(None),
             astray: None,
             started: false,
             stopping: false,
             confirms: false,
+            measures: false,
+            unattended: false,
             asked: None,
         }
     }
@@ -84,6 +93,34 @@ impl<'a> Driver<'a> {
     pub fn confirming(self) -> Self {
         Self {
             confirms: true,
+            ..self
+        }
+    }
+
+    /// Lets the controller forget where the sheet stands, so that it has to measure it.
+    #[must_use]
+    pub fn measuring(self) -> Self {
+        Self {
+            measures: true,
+            ..self
+        }
+    }
+
+    /// Resumes whenever the controller did not hear a host for a while, however persistent the host is.
+    #[must_use]
+    pub fn unattended(self) -> Self {
+        Self {
+            unattended: true,
+            ..self
+        }
+    }
+
+    /// Goes on from the mirrored place if the sheet stands on this path, the reverse of the path that is sent, and the
+    /// host begins where the sheet stands.
+    #[must_use]
+    pub fn turning(self, reverse: PathItems<'a>) -> Self {
+        Self {
+            reverse: Some(reverse),
             ..self
         }
     }
@@ -135,6 +172,13 @@ impl<'a> Driver<'a> {
         self.started
     }
 
+    /// Returns the reason that holds the motion until a host resumes it, if this host does not.
+    #[must_use]
+    pub fn held(&self) -> Option<Reason> {
+        let report = self.sender.report()?;
+        (is_latched(report.reason) && !self.undoes(report)).then_some(report.reason)
+    }
+
     /// From now on slows the motion down and holds it, instead of resuming it.
     pub fn stop(&mut self) {
         (self.stopping, self.asked) = (true, None);
@@ -179,19 +223,41 @@ impl<'a> Driver<'a> {
     /// and the place told is not the last one. A fault has to be cleared before.
     fn begin(&mut self, report: &Report) {
         let rests = report.limit != report.next && report.state != State::Faulted;
-        if self.begun.0.is_some() || !rests || self.stopping {
+        if self.begun.0.is_some() || !rests || self.stopping || self.is_kept_out() {
             return;
         }
         // A controller that was on no path yet begins as well at the start.
-        let begins = self.persistence == Persistence::None || self.confirms || report.path == 0;
+        let told = self.confirms || self.measures;
+        let begins = self.persistence == Persistence::None || told || report.path == 0;
         let place = if begins {
-            FollowerPosition::default()
+            Some(FollowerPosition::default())
+        } else if report.path == self.path.identity() {
+            Some(report.place)
         } else {
-            report.place
+            let turns = self.reverse.map(|path| path.identity()) == Some(report.path);
+            self.path.mirrored(report.place).filter(|_| turns)
         };
-        let mine = begins || report.path == self.path.identity();
-        self.begun.0 = self.path.at(place).filter(|_| mine);
-        self.astray = self.begun.0.is_none().then_some(place);
+        self.begun.0 = place.and_then(|place| self.path.at(place));
+        self.astray = self.begun.0.is_none().then_some(report.place);
+    }
+
+    /// Returns `true` if the host undoes whatever holds the motion, a stop line and a fault as well.
+    fn recovers(&self) -> bool {
+        match self.persistence {
+            Persistence::None => false,
+            Persistence::Resume => !self.started,
+            Persistence::Always => true,
+        }
+    }
+
+    /// Returns `true` if the host resumes the motion, which is held for the reason of this report.
+    fn undoes(&self, report: &Report) -> bool {
+        match report.reason {
+            Reason::Silence => self.unattended || self.recovers(),
+            // The refused setpoint belongs to the path of an earlier session.
+            Reason::Refused(_) => self.recovers() && !self.started && report.refused.is_none(),
+            reason => is_latched(reason) && self.recovers(),
+        }
     }
 
     /// Returns `true` if all items were sent and have come.
@@ -212,31 +278,38 @@ impl<'a> Driver<'a> {
             let held = held && !self.sender.is_asking();
             return (under_way && !held).then_some(Command::Hold);
         }
-        let recovers = match self.persistence {
-            Persistence::None => false,
-            Persistence::Resume => !self.started,
-            Persistence::Always => true,
-        };
         if report.state == State::Faulted {
-            return recovers.then_some(Command::Clear);
+            return self.recovers().then_some(Command::Clear);
         }
         self.begun.0?;
-        let resumes = match report.reason {
-            Reason::Silence | Reason::Session | Reason::Asked => true,
-            Reason::StopLine => recovers,
-            // The refused setpoint belongs to the path of an earlier session.
-            Reason::Refused(_) => !self.started && report.refused.is_none(),
-            _ => false,
-        };
-        // The controller's queue is as full as it can be.
-        let full = self.is_sent() || report.limit == report.next;
-        if resumes {
+        if self.undoes(report) {
             return Some(Command::Resume);
         }
-        (report.state == State::Ready && full).then_some(match (self.confirms, report.known) {
-            (true, true) => Command::Forget,
-            (true, false) => Command::Stand,
-            (false, _) => Command::Start,
-        })
+        // The controller's queue is as full as it can be, or the rest of the path is before the command on the line. If a
+        // setpoint of the rest gets lost, the motion waits for it at the last one before it.
+        let items = self.begun.0.map(|items| items.len() as u64);
+        let full = items == Some(self.sender.under_way()) || report.limit == report.next;
+        let command = if report.known && (self.confirms || self.measures) {
+            Command::Forget
+        } else if self.confirms {
+            Command::Stand
+        } else {
+            Command::Start
+        };
+        (report.state == State::Ready && full && !self.is_kept_out()).then_some(command)
     }
+
+    /// Returns `true` if somebody else holds the motion, so that the host leaves it as it is. A stop line alone does not
+    /// keep the host from sending the sheet: hinges without a command after a reset have one again then.
+    fn is_kept_out(&self) -> bool {
+        self.held().is_some_and(|reason| reason != Reason::StopLine)
+    }
+}
+
+/// Returns `true` if a follower holds for this reason until a host resumes the motion.
+fn is_latched(reason: Reason) -> bool {
+    matches!(
+        reason,
+        Reason::Asked | Reason::Silence | Reason::StopLine | Reason::Session | Reason::Refused(_)
+    )
 }

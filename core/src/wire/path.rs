@@ -214,6 +214,23 @@ impl<'a> PathItems<'a> {
         })
     }
 
+    /// Returns the place on this path at which a sheet stands that is at `place` on the reverse of this path; `None` if
+    /// that is not a place on it.
+    #[must_use]
+    pub fn mirrored(&self, place: FollowerPosition<f32>) -> Option<FollowerPosition<f32>> {
+        let knot = usize::try_from(place.knot).ok()?;
+        let facing = self.path.len().checked_sub(1)?.checked_sub(knot)?;
+        let at = |knot: usize, into: f32| {
+            let knot = u32::try_from(knot).ok()?;
+            Some(FollowerPosition { knot, into })
+        };
+        let Some(before) = facing.checked_sub(1).filter(|_| place.into > 0.0) else {
+            return at(facing, 0.0);
+        };
+        let span = self.path.knot(facing)?.time - self.path.knot(before)?.time;
+        at(before, (span - place.into).max(0.0))
+    }
+
     /// Returns the number of the knot of the first setpoint.
     #[must_use]
     pub fn first(&self) -> usize {

@@ -143,8 +143,10 @@ pub struct Sender {
     greeted: Option<u64>,
     /// Time of the first frame since a report has told of one more, microseconds.
     asked: Option<u64>,
-    /// Time when the controller last took an item, or when the oldest item under way was sent, microseconds.
+    /// Time when the controller last took an item, or when the last item had left, microseconds.
     progress: u64,
+    /// `true` while the last item may still be leaving: a frame takes its time on a slow line.
+    leaves: bool,
     sent: Option<u64>,
     /// `true` if a report has told of one more frame since the last frame was sent.
     answered: bool,
@@ -178,6 +180,7 @@ impl Sender {
             greeted: None,
             asked: None,
             progress: 0,
+            leaves: false,
             sent: None,
             answered: false,
             heard: None,
@@ -220,10 +223,22 @@ impl Sender {
         self.acked
     }
 
+    /// Returns the number of items that were sent and are not known to be lost.
+    #[must_use]
+    pub fn under_way(&self) -> u64 {
+        self.next
+    }
+
     /// Returns the number of items that were sent again.
     #[must_use]
     pub fn repeated(&self) -> u64 {
         self.repeated
+    }
+
+    /// Returns the smoothed time of a round trip, microseconds; `None` until one was measured.
+    #[must_use]
+    pub fn round_trip(&self) -> Option<u64> {
+        self.trips.measured.map(|(mean, _)| mean)
     }
 
     /// Returns the controller's last report. While it tells of a refused item, no items are sent.
@@ -373,6 +388,10 @@ impl Sender {
         source: &impl Source,
         scratch: &'s mut [u8],
     ) -> Option<(u16, Item<'s>)> {
+        // The host asks for the next frame once the line has taken the last one.
+        if core::mem::take(&mut self.leaves) {
+            self.progress = now;
+        }
         let late = now.saturating_sub(self.progress) >= self.trips.retry(&self.options);
         if late && self.next > self.acked {
             self.trips.repeat();
@@ -384,9 +403,7 @@ impl Sender {
         }
         let item = source.item(self.next, scratch)?;
         let sequence = wrapped(self.next);
-        if self.next == self.acked {
-            self.progress = now;
-        }
+        self.leaves = true;
         let repeats = self.next < self.highest;
         self.repeated += u64::from(repeats);
         if !repeats && self.trips.timed.is_none() {

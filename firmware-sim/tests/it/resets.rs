@@ -181,20 +181,25 @@ fn hinges_are_owned_until_another_sheet_is_complete() {
     let report = talk(&mut machine, 11, &whole, None);
     assert_eq!((report.state, report.known), (State::Ready, false));
     assert_eq!(machine.bench(|bench| bench.commands.clone()), [None; 15]);
-    // It hangs flat on the board, and folds without a power cycle.
+    // It hangs flat on the board, and folds without a power cycle, once an operator undoes the hold.
     machine.bench(|bench| bench.stands.fill(0.0));
     machine.run(
         Some(&mut other.driver(Persistence::None, 12).confirming()),
+        3500,
+    );
+    assert_eq!(machine.condition().state, State::Ready);
+    machine.run(
+        Some(&mut other.driver(Persistence::Resume, 13).confirming()),
         3500,
     );
     assert_eq!(machine.condition().state, State::Done);
     // After a fault as well.
     machine.bench(|bench| bench.sensor = Some(|_, _, _| f32::NAN));
     let back = Path::from(5, 2.0, -1.0);
-    machine.run(Some(&mut back.driver(Persistence::None, 13)), 2500);
+    machine.run(Some(&mut back.driver(Persistence::None, 14)), 2500);
     assert_eq!(machine.condition().state, State::Faulted);
     let stood = machine.bench(|bench| bench.commands.clone());
-    talk(&mut machine, 14, &nothing, Some(Command::Clear));
+    talk(&mut machine, 15, &nothing, Some(Command::Clear));
     assert_eq!(machine.condition().state, State::Idle);
     assert_eq!(machine.bench(|bench| bench.commands.clone()), stood);
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use foldpath_core::{Interpolation, Objective};
-use foldpath_firmware_sim::hinges::Drive;
+use foldpath_firmware_sim::hinges;
 
 use crate::choice::choice;
 use crate::jobs::Jobs;
@@ -92,6 +92,11 @@ pub(crate) enum Command {
     /// Exit status: 0 if the sheet is at the end of the path; 1 if the motion was held, stopped or refused, if a hinge
     /// stalled, or if there is no controller that understands; 2 for bad input or usage.
     Stream(Box<Stream>),
+    /// Watch and move the hinges of a controller one by one, and write the map from hinges to channels
+    ///
+    /// Nothing moves from an unknown place: a hinge begins where it is measured, or where you say that it stands. It moves
+    /// by 0.1 radians per second. Ctrl-C holds it.
+    Drive(Drive),
     /// Give a controller a key, over a line that no stranger reaches
     ///
     /// From then on the controller takes only what `foldpath stream --key FILE` sends with the same key; a controller never
@@ -245,6 +250,12 @@ Examples:
 pub(crate) enum At {
     /// The beginning of the path
     Start,
+    /// The flat sheet
+    Flat,
+    /// The goal: the last knot of the path in the file
+    Goal,
+    /// The angles that the controller measures; it forgets what it knew
+    Measured,
 }
 
 impl Family {
@@ -468,6 +479,7 @@ impl Command {
             Self::Check(args) => args.report.json,
             Self::Unfold(args) => args.report.json,
             Self::Stream(args) => args.report.json,
+            Self::Drive(args) => args.json,
             _ => false,
         }
     }
@@ -870,7 +882,7 @@ Examples:
   foldpath stream path.traj --to sim --log log.csv
   foldpath stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7
   foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
-  foldpath stream path.traj --to serial:/dev/ttyUSB0")]
+  foldpath stream path.traj --to serial:/dev/ttyUSB0 --reverse --at goal")]
 pub(crate) struct Stream {
     /// Path: a .traj file, as written by `foldpath export --to traj`
     pub(crate) path: PathBuf,
@@ -884,17 +896,29 @@ pub(crate) struct Stream {
     /// CSV file to write, with one row for each telemetry message
     ///
     /// Its columns are the time in microseconds, the state, the number of the knot at or before the position on the
-    /// path, and the commanded angle of each crease group in radians.
+    /// path, the commanded angle of each crease group in radians, and then those that host/FORMAT.md describes. Each row is
+    /// in the file as soon as it has come.
     #[arg(long)]
     pub(crate) log: Option<PathBuf>,
-    /// Continue from the present position of the sheet, also after a stop or a fault
+    /// Undo whatever holds the sheet now, a stop or a fault as well, and continue from its present position
+    ///
+    /// This is a word for the beginning of the session. A later hold ends the session.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Say where the sheet stands, whatever the controller knows or measures
+    /// Resume whenever the line was silent for so long that the controller holds, but never after a stop or a fault
+    #[arg(long)]
+    pub(crate) unattended: bool,
+    /// Run the path backwards, from its end to its beginning
+    ///
+    /// With --resume, a run in the other direction that was interrupted turns back from where the sheet stands.
+    #[arg(long)]
+    pub(crate) reverse: bool,
+    /// Say where the sheet stands, whatever the controller knows
     ///
     /// A controller that was just switched on does not know where the sheet stands. It measures the hinges if it can, and
-    /// starts only near the beginning of the path. Otherwise somebody has to look and say so.
-    #[arg(long, value_enum, value_name = "PLACE", conflicts_with = "resume")]
+    /// starts only near the beginning of the path. Otherwise somebody has to look and say so. With --resume, whatever
+    /// holds the sheet is undone, and the path begins anew.
+    #[arg(long, value_enum, value_name = "PLACE")]
     pub(crate) at: Option<At>,
     /// Faults to add to the line, such as drop=0.1,flip=0.1,double=0.1,reorder=0.1,seed=7
     ///
@@ -936,6 +960,54 @@ pub(crate) struct Stream {
     pub(crate) insecure: bool,
     #[command(flatten)]
     pub(crate) report: Report,
+}
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = format!("\
+Commands on hinges:
+{}
+
+Examples:
+  foldpath drive --to serial:/dev/ttyUSB0 --map map.csv
+  foldpath drive --to serial:/dev/ttyUSB0 jog 3 by 5
+  foldpath drive --to sim --map map.csv channel 3 7 jog 3 to 10 zero 3 limits 3 -90 90",
+    indented(crate::drive::HELP)))]
+pub(crate) struct Drive {
+    /// Controller: sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT
+    ///
+    /// sim is a controller in this process, in virtual time, whose hinges stand at 0 and are measured: a rehearsal.
+    #[arg(long, value_name = "CONTROLLER")]
+    pub(crate) to: Target,
+    /// Map from hinges to channels to edit: a CSV file, angles in radians
+    ///
+    /// It is read if it is there, and has to be the one that the board runs with. It is written whole or not at all: by
+    /// `save`, or at the end if all commands came as arguments and were done.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) map: Option<PathBuf>,
+    /// Image for qemu [default: the image of the workspace, which is built if it is missing]
+    #[arg(long)]
+    pub(crate) image: Option<PathBuf>,
+    /// Speed of a serial line, baud
+    #[arg(long, default_value_t = 115_200)]
+    pub(crate) baud: u32,
+    /// File of the key that the controller has as well, as `foldpath pair` writes it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
+    /// With tcp: send without a key, so that anybody on the network may move the hinges
+    #[arg(long, conflicts_with = "key")]
+    pub(crate) insecure: bool,
+    /// Print the answer to each command as a JSON object, one on each line
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Commands on hinges, one behind the other [default: lines of stdin]
+    pub(crate) commands: Vec<String>,
+}
+
+/// Indents each line.
+fn indented(text: &str) -> String {
+    let lines: Vec<String> = text.lines().map(|line| format!("  {line}")).collect();
+    lines.join("\n")
 }
 
 #[derive(Debug, Args)]
@@ -1040,7 +1112,7 @@ impl FromStr for LineFaults {
 /// Value of `--drives`: drives of the hinges, and the seed of their noise.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drives {
-    pub(crate) drive: Drive,
+    pub(crate) drive: hinges::Drive,
     pub(crate) seed: u64,
 }
 

@@ -7,7 +7,7 @@ use foldpath_core::Membership;
 use crate::args::{Colour, Export, ExportFormat, Per};
 use crate::output::{write_each_whole, write_whole};
 use crate::standard::{Input, is_standard, print_summary, shown};
-use crate::{Answer, CliError, check_output, print};
+use crate::{Answer, CliError, check_output, print, print_notes};
 use foldpath::export::joint_trajectory::JointTrajectory;
 use foldpath::export::traj::TrajFile;
 use foldpath::export::{csv, glb, mjcf, obj_sequence, rust, svg_pattern};
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
     let input = Input::of(&args.path)?;
     let text = match args.to {
         ExportFormat::Svg => written(args, drawing(args, &input)?)?,
-        _ => export(args, &input.motion()?, &input.name)?,
+        _ => export(args, &input.motion()?, &input.name, quiet)?,
     };
     match args.to {
         ExportFormat::Obj | ExportFormat::Mjcf => print(&text)?,
@@ -41,7 +41,7 @@ pub(crate) fn motion(args: &Export, motion: &Motion, name: &Path) -> Result<(), 
     if is_standard(&args.output) {
         return Err(CliError::Usage("-o: expected a file, found -".into()));
     }
-    export(args, motion, name).map(drop)
+    export(args, motion, name, true).map(drop)
 }
 
 /// Checks that the options have a meaning for the format.
@@ -77,12 +77,12 @@ fn check(args: &Export) -> Result<(), CliError> {
 }
 
 /// Exports a motion and returns a summary.
-fn export(args: &Export, path: &Motion, name: &Path) -> Result<String, CliError> {
+fn export(args: &Export, path: &Motion, name: &Path, quiet: bool) -> Result<String, CliError> {
     match args.to {
         ExportFormat::Obj => sequence(args, path),
         ExportFormat::Mjcf => model(args, path, name),
         ExportFormat::Svg => written(args, drawing_of_path(args, path)),
-        _ => written(args, path_file(args, path, name)?),
+        _ => written(args, path_file(args, path, name, quiet)?),
     }
 }
 
@@ -99,7 +99,7 @@ fn written(args: &Export, (title, bytes, content): Content) -> Result<String, Cl
 /// Title, bytes, and a description of the bytes.
 type Content = (String, Vec<u8>, String);
 
-fn path_file(args: &Export, path: &Motion, name: &Path) -> Result<Content, CliError> {
+fn path_file(args: &Export, path: &Motion, name: &Path, quiet: bool) -> Result<Content, CliError> {
     let (bytes, content) = match args.to {
         ExportFormat::Traj | ExportFormat::Rust => {
             let file = TrajFile::of(path, name)?;
@@ -107,6 +107,20 @@ fn path_file(args: &Export, path: &Motion, name: &Path) -> Result<Content, CliEr
                 "{} knots of {} groups, {} hinges, {:.3} s",
                 file.knots, file.groups, file.hinges, file.duration
             );
+            if args.to == ExportFormat::Traj {
+                let TrajFile {
+                    groups,
+                    hinges,
+                    spokes,
+                    ..
+                } = file;
+                print_notes(
+                    quiet,
+                    &[format!(
+                        "a controller needs room for {groups} groups, {hinges} hinges and {spokes} spokes"
+                    )],
+                );
+            }
             if args.to == ExportFormat::Rust {
                 let text = rust::source(&file, &path.title, name)?;
                 (text.into_bytes(), content)

@@ -9,7 +9,7 @@ use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{PatternInfo, PatternInfoJson, radians_hint, timeout};
+use foldpath::request::{PatternInfo, PatternInfoJson, Room, radians_hint, timeout};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
@@ -24,6 +24,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
         json: info,
         groups,
         forecast,
+        room,
     } = &info;
     if args.report.json {
         print_json(info)?;
@@ -32,12 +33,12 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
-    let text = summary(&file, info);
+    let text = summary(&file, info, *room);
     print(&(text + &outlook::text(pattern, groups, forecast, &args.pattern)))?;
     Ok(true)
 }
 
-fn summary(file: &PatternFile, info: &PatternInfoJson) -> String {
+fn summary(file: &PatternFile, info: &PatternInfoJson, room: Room) -> String {
     let letters = info
         .letters
         .iter()
@@ -76,6 +77,7 @@ fn summary(file: &PatternFile, info: &PatternInfoJson) -> String {
          hinges              {} creases, {} of them free; {} virtual edges stay flat\n  \
          crease groups       {}\n  \
          essential vertices  {}\n  \
+         controller          needs room for {} groups, {} hinges and {} spokes\n  \
          amplification       {amplification}\n  \
          goal                {goal}\n",
         file.title,
@@ -89,5 +91,8 @@ fn summary(file: &PatternFile, info: &PatternInfoJson) -> String {
         info.virtual_edges,
         info.groups,
         info.essential_vertices,
+        room.groups,
+        room.hinges,
+        room.spokes,
     )
 }

@@ -11,6 +11,7 @@ mod batch;
 mod check;
 mod choice;
 mod complete;
+mod drive;
 mod export;
 mod fonts;
 mod generate;
@@ -18,6 +19,7 @@ mod hints;
 mod info;
 mod jobs;
 mod key;
+mod log;
 mod outlook;
 mod output;
 mod pair;
@@ -109,6 +111,7 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Export(args) => export::run(&args, quiet),
         args::Command::Batch(args) => batch::run(&args, quiet, program),
         args::Command::Stream(args) => stream::run(&args, quiet),
+        args::Command::Drive(args) => drive::run(&args, quiet),
         args::Command::Pair(args) => pair::run(&args, quiet),
         args::Command::Completions(args) => complete::completions(&args),
         args::Command::Man(args) => complete::man(&args),

@@ -88,7 +88,8 @@ pub(crate) fn write_each_whole(
     Ok(())
 }
 
-fn failed(path: &Path, error: &io::Error) -> FileError {
+/// Returns the error of a file that the system refuses to write.
+pub(crate) fn failed(path: &Path, error: &io::Error) -> FileError {
     FileError::Io {
         path: path.to_path_buf(),
         // Only the kind is kept, because the error itself names the temporary file.

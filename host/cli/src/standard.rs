@@ -279,6 +279,14 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
                 some("--log", &args.log).into_iter().collect(),
             )
         }
+        Command::Drive(args) => {
+            let stdin = args
+                .commands
+                .is_empty()
+                .then_some(("COMMANDS", Path::new("-")));
+            let inputs = stdin.into_iter().chain(some("--key", &args.key));
+            (inputs.collect(), vec![])
+        }
         Command::Pair(_) | Command::Completions(_) | Command::Man(_) => (vec![], vec![]),
     }
 }

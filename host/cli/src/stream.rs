@@ -1,7 +1,8 @@
 //! Runs `foldpath stream`, which sends a path to a controller.
 
 use core::sync::atomic::{AtomicU8, Ordering};
-use std::io::{self, Write};
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -13,14 +14,15 @@ use serde::Serialize;
 use crate::args::{At, Drives, LineFaults, Stream, Target};
 use crate::key;
 use crate::link::{Emulator, Wire, default_image};
-use crate::output::write_whole_with;
+use crate::log::Log;
 use crate::progress::{self, PACE, PATIENCE};
 use crate::report::outcome;
 use crate::standard::{Input, print_summary, shown, source};
 use crate::{Answer, CliError, check_output, print_json};
 use foldpath::folding::Rigidity;
 use foldpath::stream::{
-    self, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Watcher, Wish,
+    self, Faulty, Link, Measured, Options, Outcome, Plant, Sim, Stands, StreamPath, Summary,
+    Telemetry, Watcher, Wish,
 };
 
 #[derive(Serialize)]
@@ -33,6 +35,11 @@ struct StreamJson<'a> {
     refused: u64,
     max_closure: f64,
     duration: f64,
+    /// Largest measured distance of a hinge from its command, degrees, and the hinge.
+    max_lag: Option<f64>,
+    lag_hinge: Option<usize>,
+    /// Smoothed time of a round trip on the line, seconds.
+    round_trip: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     max_deformation: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,22 +55,25 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     let input = Input::of(&args.path)?;
     let name = input.name.clone();
     let path = StreamPath::read(&input.bytes()?, &name)?;
+    let path = if args.reverse {
+        path.reverse().ok_or_else(|| {
+            let name = name.display();
+            CliError::Usage(format!(
+                "--reverse: {name}: expected knots far enough apart for numbers of 32 bits that count from the end"
+            ))
+        })?
+    } else {
+        path
+    };
+    if let Some(at) = args.at {
+        check_place(at, &path)?;
+    }
     let driven = args.drives.is_some() || args.script.is_some() || args.sheet.is_some();
     if driven && !matches!(args.to, Target::Sim) {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
-    let key = args.key.as_deref().map(|path| key::read(path, quiet));
-    let key = key.transpose()?;
-    if matches!(args.to, Target::Tcp(_)) && key.is_none() && !args.insecure {
-        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
-                    sheet";
-        return Err(CliError::Usage(what.into()));
-    }
-    if args.insecure && !matches!(args.to, Target::Tcp(_)) {
-        let what = "--insecure: expected --to tcp; other lines need no key";
-        return Err(CliError::Usage(what.into()));
-    }
+    let key = key_for(&args.to, args.key.as_deref(), args.insecure, quiet)?;
     let host = Host::new(key).map_err(CliError::Output)?;
     let bars = progress::shown(&args.report, quiet);
     let mut rigidity = None;
@@ -82,18 +92,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             summary
         }
         Target::Qemu => {
-            let image = match &args.image {
-                Some(image) if image.is_file() => image.clone(),
-                Some(image) => {
-                    let image = image.display();
-                    let text =
-                        format!("--image: expected the file of an image, found none at {image}");
-                    return Err(CliError::Usage(text));
-                }
-                None => {
-                    default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}")))?
-                }
-            };
+            let image = image(args.image.as_deref())?;
             let name = format!("qemu-system-arm with {}", image.display());
             connected(&name, Emulator::start(&image, key), args, &path, host, bars)?
         }
@@ -108,6 +107,92 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     };
     report(args, &path, &summary, rigidity, quiet)?;
     Ok(summary.outcome == Outcome::Done)
+}
+
+/// Reads the key for a line to a controller, if there is one.
+///
+/// # Errors
+/// If the key cannot be read, if a line over a network has none, or if another line is to go without.
+pub(crate) fn key_for(
+    to: &Target,
+    file: Option<&Path>,
+    insecure: bool,
+    quiet: bool,
+) -> Result<Option<Key>, CliError> {
+    let key = file.map(|path| key::read(path, quiet)).transpose()?;
+    if matches!(to, Target::Tcp(_)) && key.is_none() && !insecure {
+        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
+                    sheet";
+        return Err(CliError::Usage(what.into()));
+    }
+    if insecure && !matches!(to, Target::Tcp(_)) {
+        let what = "--insecure: expected --to tcp; other lines need no key";
+        return Err(CliError::Usage(what.into()));
+    }
+    Ok(key)
+}
+
+/// Returns the file of the emulated board's image.
+///
+/// # Errors
+/// If there is no such file, or none is named and none can be built.
+pub(crate) fn image(named: Option<&Path>) -> Result<PathBuf, CliError> {
+    match named {
+        Some(image) if image.is_file() => Ok(image.to_path_buf()),
+        Some(image) => {
+            let image = image.display();
+            let text = format!("--image: expected the file of an image, found none at {image}");
+            Err(CliError::Usage(text))
+        }
+        None => default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}"))),
+    }
+}
+
+/// Checks that the path begins where an operator says that the sheet stands.
+fn check_place(at: At, path: &StreamPath) -> Result<(), CliError> {
+    let (flat, goal) = (path.begins_flat(), path.begins_at_goal());
+    let (said, place) = match at {
+        At::Flat if !flat => ("flat", "flat"),
+        At::Goal if !goal => ("goal", "at the goal"),
+        _ => return Ok(()),
+    };
+    let what = if path.is_reversed() {
+        "the path, with --reverse,"
+    } else {
+        "the path"
+    };
+    let (begins, instead) = match (flat, goal) {
+        (true, _) => (
+            "flat".to_string(),
+            "--at flat, or turn the path round by --reverse",
+        ),
+        (_, true) => (
+            "at the goal".to_string(),
+            "--at goal, or leave --reverse out",
+        ),
+        (false, false) => {
+            let angles = path
+                .view()
+                .and_then(|view| view.knot(0))
+                .map(|knot| knot.angles);
+            let angles = angles.unwrap_or_default().iter();
+            let angles = angles.map(|angle| angle.to_degrees());
+            let (group, most) =
+                (0..).zip(angles).fold(
+                    (0, 0.0_f32),
+                    |a, b| {
+                        if b.1.abs() > a.1.abs() { b } else { a }
+                    },
+                );
+            (
+                format!("folded, with group {group} at {most:.3} degrees"),
+                "--at start if it stands there, or --at measured",
+            )
+        }
+    };
+    Err(CliError::Usage(format!(
+        "--at {said}: {what} does not begin {place}, but {begins}; say {instead}"
+    )))
 }
 
 /// Returns the hinges of a simulated controller.
@@ -146,6 +231,8 @@ fn connected(
             retransmitted: 0,
             refused: 0,
             max_closure: 0.0,
+            lag: None,
+            round_trip: None,
             duration: 0,
         }),
     }
@@ -153,14 +240,16 @@ fn connected(
 
 /// The host of a session: numbers that other sessions are unlikely to have had, and the key.
 #[derive(Clone, Copy)]
-struct Host {
-    id: u32,
-    nonce: u32,
-    key: Option<Key>,
+pub(crate) struct Host {
+    pub(crate) id: u32,
+    pub(crate) nonce: u32,
+    pub(crate) key: Option<Key>,
 }
 
 impl Host {
-    fn new(key: Option<Key>) -> io::Result<Self> {
+    /// # Errors
+    /// If the operating system has no random number.
+    pub(crate) fn new(key: Option<Key>) -> io::Result<Self> {
         let [a, b, c, d, upper @ ..] = key::nonce()?.to_le_bytes();
         Ok(Self {
             id: u32::from_le_bytes([a, b, c, d]),
@@ -207,32 +296,38 @@ fn logged(
     let emulated = matches!(args.to, Target::Qemu);
     let options = Options {
         resume: args.resume,
-        at_start: emulated || args.at == Some(At::Start),
+        unattended: args.unattended,
+        stands: match args.at {
+            None if emulated => Stands::AtStart,
+            None => Stands::Known,
+            Some(At::Measured) => Stands::Measured,
+            Some(At::Start | At::Flat | At::Goal) => Stands::AtStart,
+        },
         id: host.id,
         key: host.key,
         nonce: host.nonce,
     };
-    let mut follow = |log: &mut dyn Write| {
-        let mut watch = Watch {
-            path,
-            log,
-            pressed: &pressed,
-            begun: Instant::now(),
-            shown: None,
-            bar: shown.then(progress::hidden_bar),
-        };
-        watch.head()?;
-        stream::run(link, path, options, &mut watch)
+    let log = args.log.as_deref().map(Log::create).transpose()?;
+    let mut watch = Watch {
+        path,
+        log,
+        pressed: &pressed,
+        begun: Instant::now(),
+        shown: None,
+        bar: shown.then(progress::hidden_bar),
     };
-    let Some(log) = &args.log else {
-        return follow(&mut io::sink()).map_err(CliError::Output);
-    };
-    let mut summary = None;
-    write_whole_with(log, |out| {
-        summary = Some(follow(out)?);
-        Ok(())
-    })?;
-    summary.ok_or_else(|| CliError::Usage("--log: nothing was written".into()))
+    let followed = watch
+        .head()
+        .and_then(|()| stream::run(link, path, options, &mut watch));
+    followed.map_err(|error| match &watch.log {
+        Some(log) => log.failed(error),
+        None => CliError::Output(error),
+    })
+}
+
+#[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
+fn seconds(micros: u64) -> f64 {
+    micros as f64 / 1e6
 }
 
 fn report(
@@ -242,8 +337,7 @@ fn report(
     rigidity: Option<Rigidity>,
     quiet: bool,
 ) -> Result<(), CliError> {
-    #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
-    let duration = summary.duration as f64 / 1e6;
+    let duration = seconds(summary.duration);
     let json = StreamJson {
         outcome: summary.outcome.name(),
         reason: summary.reason.as_deref(),
@@ -253,6 +347,9 @@ fn report(
         refused: summary.refused,
         max_closure: summary.max_closure,
         duration,
+        max_lag: summary.lag.map(|lag| f64::from(lag.angle).to_degrees()),
+        lag_hinge: summary.lag.map(|lag| lag.hinge),
+        round_trip: summary.round_trip.map(seconds),
         max_deformation: rigidity.map(|rigidity| rigidity.deformation),
         max_gap: rigidity.map(|rigidity| rigidity.gap),
     };
@@ -276,6 +373,12 @@ fn report(
         json.refused,
         json.max_closure,
     );
+    if let Some((lag, hinge)) = json.max_lag.zip(json.lag_hinge) {
+        text += &format!("  lag          {lag:.3} degrees at most, of hinge {hinge}\n");
+    }
+    if let Some(time) = json.round_trip {
+        text += &format!("  round trip   {:.1} ms\n", 1e3 * time);
+    }
     if let Some(Rigidity {
         deformation, gap, ..
     }) = rigidity
@@ -293,7 +396,7 @@ fn report(
 /// Watches a session for the user: writes the log, draws the bar and obeys Ctrl-C.
 struct Watch<'a> {
     path: &'a StreamPath,
-    log: &'a mut dyn Write,
+    log: Option<Log>,
     pressed: &'a AtomicU8,
     begun: Instant,
     shown: Option<Instant>,
@@ -302,11 +405,21 @@ struct Watch<'a> {
 
 impl Watch<'_> {
     fn head(&mut self) -> io::Result<()> {
-        write!(self.log, "t_us,state,sequence")?;
+        let mut head = String::from("t_us,state,sequence");
         for group in 0..self.path.groups() {
-            write!(self.log, ",group_{group}")?;
+            head += &format!(",group_{group}");
         }
-        writeln!(self.log)
+        head += ",max_lag,lag_hinge,retransmitted,round_trip_us";
+        for hinge in 0..self.path.hinges().len() {
+            head += &format!(",hinge_{hinge}");
+        }
+        self.row(head)
+    }
+
+    fn row(&mut self, row: String) -> io::Result<()> {
+        self.log
+            .as_mut()
+            .map_or(Ok(()), |log| log.row(&(row + "\n")))
     }
 
     /// Draws the progress of the motion.
@@ -325,7 +438,16 @@ impl Watch<'_> {
         };
         let state = state(telemetry.state);
         let last = times.len().saturating_sub(1);
-        let what = format!("{state}, knot {knot} of {last}, groups at{angles}{more} degrees");
+        let lag = telemetry.lag.map_or_else(String::new, |lag| {
+            format!(", lag {:.2} of hinge {}", lag.angle.to_degrees(), lag.hinge)
+        });
+        let trip = telemetry.round_trip.map_or_else(String::new, |time| {
+            format!(", round trip {:.0} ms", 1e3 * seconds(time))
+        });
+        let again = telemetry.retransmitted;
+        let what = format!(
+            "{state}, knot {knot} of {last}, groups at{angles}{more} degrees{lag}{trip}, {again} items again"
+        );
         progress::show(bar, &what, Some(part.into()));
     }
 }
@@ -333,14 +455,30 @@ impl Watch<'_> {
 impl Watcher for Watch<'_> {
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
         let (time, state) = (telemetry.time, state(telemetry.state));
-        write!(self.log, "{time},{state},{}", telemetry.place.knot)?;
+        let mut row = format!("{time},{state},{}", telemetry.place.knot);
         // No angles are known before the first motion.
         for group in 0..self.path.groups() {
             let angle = telemetry.angles.get(group);
-            let angle = angle.map_or_else(String::new, f32::to_string);
-            write!(self.log, ",{angle}")?;
+            row += ",";
+            row += &angle.map_or_else(String::new, f32::to_string);
         }
-        writeln!(self.log)?;
+        let lag = telemetry.lag.map(|lag| (lag.angle, lag.hinge));
+        let lag = lag.map_or_else(|| ",".into(), |(angle, hinge)| format!("{angle},{hinge}"));
+        let trip = telemetry
+            .round_trip
+            .map_or_else(String::new, |time| time.to_string());
+        row += &format!(",{lag},{},{trip}", telemetry.retransmitted);
+        let Measured { first, angles } = &telemetry.measured;
+        for hinge in 0..self.path.hinges().len() {
+            let angle = hinge
+                .checked_sub(*first)
+                .and_then(|place| angles.get(place));
+            row += ",";
+            row += &angle
+                .filter(|angle| !angle.is_nan())
+                .map_or_else(String::new, f32::to_string);
+        }
+        self.row(row)?;
         let due = self.begun.elapsed() >= PATIENCE
             && self.shown.is_none_or(|shown| shown.elapsed() >= PACE);
         if let Some(bar) = self.bar.as_ref().filter(|_| due) {

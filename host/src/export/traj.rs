@@ -24,6 +24,8 @@ pub struct TrajFile {
     pub groups: usize,
     /// Number of hinges.
     pub hinges: usize,
+    /// Number of spokes of all essential vertices.
+    pub spokes: usize,
     /// Number of knots.
     pub knots: usize,
     /// Seconds from the first knot to the last.
@@ -264,6 +266,7 @@ impl Rounded {
             bytes,
             groups: self.wide.groups,
             hinges: hinges.len(),
+            spokes: spokes.len(),
             knots: self.times.len(),
             duration: self.wide.times.last().copied().unwrap_or(0.0),
         })

@@ -18,6 +18,8 @@ pub struct PatternInfo {
     pub groups: CreaseGroups,
     /// The forecast.
     pub forecast: Forecast,
+    /// Room that a controller needs for a path in these groups.
+    pub room: Room,
 }
 
 /// The description of a crease pattern, which serialises to the JSON object of `foldpath info --json`.
@@ -49,6 +51,17 @@ pub struct PatternInfoJson {
     pub flat_dof: Option<usize>,
     pub goal_dof: Option<usize>,
     pub drivers: Vec<usize>,
+}
+
+/// Room that a controller needs for a path in these crease groups.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Number of crease groups.
+    pub groups: usize,
+    /// Number of hinges.
+    pub hinges: usize,
+    /// Number of spokes of all essential vertices.
+    pub spokes: usize,
 }
 
 /// A cause why a pattern may not fold.
@@ -128,10 +141,16 @@ impl PatternInfo {
             goal_dof: forecast.goal_motions,
             drivers: edges(&forecast.drivers(pattern, &groups)),
         };
+        let room = Room {
+            groups: groups.len(),
+            hinges: pattern.creases().len(),
+            spokes: stars.view().iter().map(|star| star.spokes.len()).sum(),
+        };
         Self {
             json,
             groups,
             forecast,
+            room,
         }
     }
 }

@@ -5,8 +5,11 @@
 //!   a [`Plant`]; [`Faulty`] adds faults to any link. Links over TCP, serial devices and QEMU are in the command's
 //!   package.
 //! - [`pair`]: gives a controller a [`Key`](foldpath_core::wire::key::Key) over a local line.
+//! - [`Bench`]: a session that watches and moves one hinge at a time, and [`Channels`], the map from hinges to channels.
 //! - [`run`]: a session from the greeting to its [`Outcome`], over [`foldpath_core::wire::driver`].
 
+mod bench;
+mod channels;
 mod faulty;
 mod link;
 mod pair;
@@ -17,11 +20,15 @@ mod session;
 mod sim;
 mod words;
 
+pub use bench::{Bench, BenchError, Jogged, Seen, Way};
+pub use channels::{Channel, Channels};
 pub use faulty::Faulty;
 pub use link::Link;
 pub use pair::{Pairing, pair};
 pub use path::StreamPath;
 pub use plant::Plant;
 pub use script::{parse_script, read_script};
-pub use session::{Options, Outcome, Summary, Telemetry, Watcher, Wish, run};
-pub use sim::Sim;
+pub use session::{
+    Lag, Measured, Options, Outcome, Stands, Summary, Telemetry, Watcher, Wish, run,
+};
+pub use sim::{Sim, SimDevice};

@@ -11,11 +11,19 @@ use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, Stars
 use crate::read::FileError;
 use crate::symmetry::largest_star_residual;
 
+/// Difference (radians) up to which two angles count as the same: the rounding of half a turn to `f32`, with room for that
+/// of the path from which the file was exported.
+const SAME_ANGLE: f32 = 1e-6;
+
 /// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
 pub struct StreamPath {
     interpolation: Interpolation,
     times: Vec<f32>,
+    /// Times of the knots of the reverse, in its order.
+    reverse_times: Vec<f32>,
+    /// `true` if the path is the reverse of that of the file.
+    reversed: bool,
     /// One row for each knot, as are the next two.
     angles: Vec<f32>,
     rates: Vec<f32>,
@@ -44,9 +52,13 @@ impl StreamPath {
         let weighted = traj.interpolation() == Interpolation::Homogeneous;
         let weighted = nodes.iter().filter(|_| weighted);
         let ends = (1..).zip(traj.spokes()).filter(|(_, (_, last))| *last);
+        let times: Vec<f32> = (0..traj.len()).filter_map(|k| traj.time(k)).collect();
+        let end = times.last().copied().unwrap_or(0.0);
         let this = Self {
             interpolation: traj.interpolation(),
-            times: (0..traj.len()).filter_map(|k| traj.time(k)).collect(),
+            reverse_times: times.iter().rev().map(|time| end - time).collect(),
+            times,
+            reversed: false,
             angles: nodes.iter().map(|node| node.angle).collect(),
             rates: nodes.iter().map(|node| node.rate).collect(),
             weights: weighted.map(|node| node.weight).collect(),
@@ -73,6 +85,48 @@ impl StreamPath {
             });
         }
         Ok(this)
+    }
+
+    /// Returns the way back: the knots in reverse order, their times from the other end, their rates negated. The angles
+    /// are those of this path at mirrored times, but for the rounding of times. The reverse of the reverse is this path.
+    ///
+    /// `None` if two times from the other end are rounded to the same number.
+    #[must_use]
+    pub fn reverse(&self) -> Option<Self> {
+        let groups = self.groups();
+        let this = Self {
+            times: self.reverse_times.clone(),
+            reverse_times: self.times.clone(),
+            reversed: !self.reversed,
+            angles: reversed_rows(&self.angles, groups, |angle| angle),
+            rates: reversed_rows(&self.rates, groups, |rate| -rate),
+            weights: reversed_rows(&self.weights, groups, |[weight, rate]| [weight, -rate]),
+            ..self.clone()
+        };
+        this.items().is_some().then_some(this)
+    }
+
+    /// Returns `true` if the path is the [reverse](Self::reverse) of that of the file.
+    #[must_use]
+    pub fn is_reversed(&self) -> bool {
+        self.reversed
+    }
+
+    /// Returns `true` if the path begins flat: with all angles at 0, but for rounding.
+    #[must_use]
+    pub fn begins_flat(&self) -> bool {
+        let begin = self.angles.iter().take(self.groups());
+        begin.into_iter().all(|angle| angle.abs() <= SAME_ANGLE)
+    }
+
+    /// Returns `true` if the path begins at the goal, but for rounding: at the last knot of the path of the file.
+    #[must_use]
+    pub fn begins_at_goal(&self) -> bool {
+        let (groups, angles) = (self.groups(), &self.angles);
+        let begin = angles.iter().take(groups);
+        let goal = angles.iter().skip(angles.len().saturating_sub(groups));
+        let same = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME_ANGLE;
+        self.reversed || begin.zip(goal).all(same)
     }
 
     /// Returns the number of crease groups.
@@ -148,6 +202,12 @@ impl StreamPath {
             FollowerPosition::default(),
         )
     }
+}
+
+/// Returns rows of `width` numbers in reverse order, each number changed by `turn`.
+fn reversed_rows<T: Copy>(numbers: &[T], width: usize, turn: impl Fn(T) -> T) -> Vec<T> {
+    let rows = numbers.chunks(width.max(1)).rev();
+    rows.flatten().copied().map(turn).collect()
 }
 
 /// Converts a spoke to `f64` and normalises its direction again.

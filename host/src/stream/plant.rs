@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 
-use foldpath_core::follower::Follower;
+use foldpath_core::follower::Measurement;
 use foldpath_firmware_sim::hinges::{Drive, Hinges, Trouble};
 use rand_pcg::Pcg64;
 
-use super::StreamPath;
+use super::{SimDevice, StreamPath};
 use crate::export::traj::memberships;
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Motion;
@@ -85,18 +85,13 @@ impl Plant {
     }
 
     /// Lets the hinges follow the angles commanded at `now` (microseconds) for a millisecond, and measures them.
-    pub(super) fn turn<const GROUPS: usize, const KNOTS: usize>(
-        &mut self,
-        now: u64,
-        follower: &mut Follower<f32, GROUPS, KNOTS>,
-    ) {
+    pub(super) fn turn(&mut self, now: u64, device: &mut SimDevice) {
         while let Some((_, trouble)) = self.script.pop_front_if(|(time, _)| *time <= now) {
             self.hinges.befall(trouble);
         }
-        self.hinges.follow(follower.angles(), 1e-3);
-        for (hinge, membership, angle) in self.hinges.measured() {
-            follower.measure(hinge, membership, angle);
-        }
+        self.hinges.follow(device.follower().angles(), 1e-3);
+        let mut measured = self.hinges.measured();
+        device.drive(|_, _, _| measured.next().map(|(.., angle)| Measurement::from(angle)));
     }
 
     /// Folds the sheet by the hinges' angles and measures its errors.

@@ -14,17 +14,39 @@ use super::{Link, StreamPath, words};
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
 const PATIENCE: u64 = 1_000_000;
 
+/// Decodes numbers of 4 bytes each.
+fn numbers(bytes: &[u8]) -> Vec<f32> {
+    let (numbers, _) = bytes.as_chunks::<4>();
+    numbers.iter().copied().map(f32::from_le_bytes).collect()
+}
+
 /// Largest number of bytes that are read before the watcher is asked and frames are sent again. A controller on a fast
 /// line sends fewer in a millisecond; a peer that floods the line is no controller.
-const MAX_BYTES: usize = 4096;
+pub(super) const MAX_BYTES: usize = 4096;
+
+/// Source of the place where the sheet stands at the beginning of a session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stands {
+    /// The controller knows or measures it.
+    #[default]
+    Known,
+    /// An operator has said that the sheet stands where the path begins, whatever the controller knows.
+    AtStart,
+    /// The controller measures it, and forgets what it knew.
+    Measured,
+}
 
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// `true` to begin where the sheet stands, even after a stop line or a fault, instead of at the start of the path.
+    /// `true` to undo whatever holds the sheet at the beginning of the session, a stop line and a fault as well, and to begin
+    /// where the sheet stands instead of at the start of the path. A later hold is not undone.
     pub resume: bool,
-    /// `true` to pass on the operator's word that the sheet stands where the path begins, whatever the controller knows.
-    pub at_start: bool,
+    /// `true` to resume the motion whenever it holds because the line was silent.
+    pub unattended: bool,
+    /// Source of the place where the sheet stands. If it is not [`Stands::Known`], the session begins at the start of the
+    /// path.
+    pub stands: Stands,
     /// Number of the session, different from that of any session with this controller before.
     pub id: u32,
     /// Key that the controller has as well. Without it, a controller that has a key answers nothing.
@@ -46,6 +68,46 @@ pub struct Telemetry {
     pub place: FollowerPosition<f32>,
     /// Commanded angle of each group, radians.
     pub angles: Vec<f32>,
+    /// Measured angles of some hinges at that moment. Those of all hinges come round and round.
+    pub measured: Measured,
+    /// Hinge among them that was farthest from its command.
+    pub lag: Option<Lag>,
+    /// Number of items that were sent again until then.
+    pub retransmitted: u64,
+    /// Smoothed time of a round trip on the line, microseconds.
+    pub round_trip: Option<u64>,
+}
+
+/// Measured angles of hinges.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Number of the first hinge.
+    pub first: usize,
+    /// Angle of each hinge, radians, with the sign of the hinge itself; NaN if it was not measured.
+    pub angles: Vec<f32>,
+}
+
+/// Distance of a hinge from its command of the same moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// Number of the hinge.
+    pub hinge: usize,
+    /// Distance, radians.
+    pub angle: f32,
+}
+
+impl Telemetry {
+    /// Returns the hinge that was measured farthest from its command, if one was measured.
+    fn worst_lag(&self, path: &StreamPath) -> Option<Lag> {
+        let hinges = path.hinges().iter().enumerate().skip(self.measured.first);
+        let lags = hinges.zip(&self.measured.angles);
+        let lags = lags.filter_map(|((hinge, membership), measured)| {
+            let commanded = membership.apply(*self.angles.get(membership.group.index())?);
+            let angle = (measured - commanded).abs();
+            (!angle.is_nan()).then_some(Lag { hinge, angle })
+        });
+        lags.reduce(|a, b| if b.angle > a.angle { b } else { a })
+    }
 }
 
 /// Request of the watcher.
@@ -66,7 +128,7 @@ pub trait Watcher {
     /// Takes telemetry that has arrived.
     ///
     /// # Errors
-    /// If the telemetry cannot be stored; the session ends then.
+    /// If the telemetry cannot be stored; the motion is held then, and the session ends.
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()>;
 
     /// Returns the current request; called again and again.
@@ -119,6 +181,10 @@ pub struct Summary {
     pub refused: u64,
     /// Largest closure residual of an essential vertex at the angles in telemetry.
     pub max_closure: f64,
+    /// Largest lag of a hinge; `None` if none was measured.
+    pub lag: Option<Lag>,
+    /// Smoothed time of a round trip at the end, microseconds; `None` if none was measured.
+    pub round_trip: Option<u64>,
     /// Duration in microseconds on the host's clock.
     pub duration: u64,
 }
@@ -126,7 +192,7 @@ pub struct Summary {
 /// Sends a path over a link until the path is done, or until another outcome ends the session.
 ///
 /// # Errors
-/// If the watcher cannot store telemetry. A broken link is an outcome.
+/// If the watcher cannot store telemetry; the motion is held before. A broken link is an outcome.
 pub fn run(
     link: &mut impl Link,
     path: &StreamPath,
@@ -142,8 +208,17 @@ pub fn run(
         Persistence::None
     };
     let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
-    if options.at_start {
-        driver = driver.confirming();
+    match options.stands {
+        Stands::Known => {}
+        Stands::AtStart => driver = driver.confirming(),
+        Stands::Measured => driver = driver.measuring(),
+    }
+    if options.unattended {
+        driver = driver.unattended();
+    }
+    let reverse = path.reverse();
+    if let Some(items) = reverse.as_ref().and_then(StreamPath::items) {
+        driver = driver.turning(items);
     }
     if let Some(key) = options.key {
         driver = driver.with_key(key, options.nonce);
@@ -155,21 +230,29 @@ pub fn run(
         wish: Wish::Run,
         last: None,
         telemetry: None,
+        told: None,
+        lag: None,
         unknown: None,
         bytes: 0,
         closure: 0.0,
         quit: None,
     };
     let start = link.now();
+    let mut failed = None;
     let end = loop {
-        let looked = session.look(watcher.wish(), link);
+        let wish = match (&failed, watcher.wish()) {
+            (Some(_), Wish::Run) => Wish::Stop,
+            (_, wish) => wish,
+        };
+        let looked = session.look(wish, link);
         let mut broken = looked.err();
         let mut left = MAX_BYTES;
         while broken.is_none()
             && let Some(heard) = session.hear(link, &mut left)
         {
             match heard {
-                Ok(telemetry) => watcher.telemetry(&telemetry)?,
+                Ok(_) if failed.is_some() => {}
+                Ok(telemetry) => failed = watcher.telemetry(&telemetry).err(),
                 Err(error) => broken = Some(error),
             }
         }
@@ -183,7 +266,13 @@ pub fn run(
             break end;
         }
     };
-    Ok(session.summary(end, link.now() - start))
+    if let Some(telemetry) = session.tell().filter(|_| failed.is_none()) {
+        failed = watcher.telemetry(&telemetry).err();
+    }
+    match failed {
+        Some(error) => Err(error),
+        None => Ok(session.summary(end, link.now() - start)),
+    }
 }
 
 struct Session<'a> {
@@ -195,6 +284,10 @@ struct Session<'a> {
     last: Option<(State, f32)>,
     /// Telemetry of which pieces are missing.
     telemetry: Option<Telemetry>,
+    /// Telemetry that is whole, until what was measured has come, or other telemetry.
+    told: Option<Telemetry>,
+    /// Largest lag so far.
+    lag: Option<Lag>,
     /// Time since which the controller has not known where the sheet stands, although the path should start.
     unknown: Option<u64>,
     bytes: u64,
@@ -239,29 +332,45 @@ impl Session<'_> {
                 Ok(byte) => byte?,
                 Err(error) => return Some(Err(error)),
             };
-            let message = self.driver.byte(byte, link.now());
-            let Some(ToHost::Telemetry {
-                time,
-                state,
-                rate,
-                place,
-                first,
-                angles: piece,
-            }) = message
-            else {
-                continue;
+            let (time, state, rate, place, first, piece) = match self.driver.byte(byte, link.now())
+            {
+                Some(ToHost::Telemetry {
+                    time,
+                    state,
+                    rate,
+                    place,
+                    first,
+                    angles,
+                }) => (time, state, rate, place, first, numbers(angles)),
+                Some(ToHost::Measured {
+                    time,
+                    first,
+                    angles,
+                    ..
+                }) => {
+                    let (first, angles) = (first.into(), numbers(angles));
+                    if let Some(told) = self.told.as_mut().filter(|told| told.time == time) {
+                        told.measured = Measured { first, angles };
+                        return self.tell().map(Ok);
+                    }
+                    continue;
+                }
+                _ => continue,
             };
             self.last = Some((state, rate));
+            let before = self.tell().map(Ok);
             // Pieces of one moment follow each other; without the first one they are dropped.
             let mut angles = match self.telemetry.take() {
                 Some(begun) if first > 0 && begun.time == time => begun.angles,
                 _ => Vec::new(),
             };
             if angles.len() != usize::from(first) {
+                if before.is_some() {
+                    return before;
+                }
                 continue;
             }
-            let (piece, _) = piece.as_chunks::<4>();
-            angles.extend(piece.iter().copied().map(f32::from_le_bytes));
+            angles.extend(piece);
             let whole = angles.is_empty() || angles.len() >= self.path.groups();
             let telemetry = Telemetry {
                 time,
@@ -269,13 +378,32 @@ impl Session<'_> {
                 rate,
                 place,
                 angles,
+                measured: Measured::default(),
+                lag: None,
+                retransmitted: 0,
+                round_trip: None,
             };
             if whole {
                 self.closure = self.closure.max(self.path.residual(&telemetry.angles));
-                return Some(Ok(telemetry));
+                self.told = Some(telemetry);
+            } else {
+                self.telemetry = Some(telemetry);
             }
-            self.telemetry = Some(telemetry);
+            if before.is_some() {
+                return before;
+            }
         }
+    }
+
+    /// Returns the telemetry that was waiting for what was measured, with the state of the line.
+    fn tell(&mut self) -> Option<Telemetry> {
+        let mut told = self.told.take()?;
+        told.lag = told.worst_lag(self.path);
+        let farther = |lag: &Lag| self.lag.is_none_or(|worst| lag.angle > worst.angle);
+        self.lag = told.lag.filter(farther).or(self.lag);
+        let sender = self.driver.sender();
+        (told.retransmitted, told.round_trip) = (sender.repeated(), sender.round_trip());
+        Some(told)
     }
 
     /// Returns the outcome and its reason, if the session has ended.
@@ -344,6 +472,9 @@ impl Session<'_> {
             let reason = "stopped; --resume goes on from where the sheet stands";
             return Some((Outcome::Stopped, reason.into()));
         }
+        if let Some(reason) = self.driver.held() {
+            return Some((Outcome::Held, words::held(reason)));
+        }
         let Some(Err(why)) = sender.answer().filter(|_| state == State::Ready) else {
             return None;
         };
@@ -376,6 +507,8 @@ impl Session<'_> {
             retransmitted: sender.repeated(),
             refused: refused.into(),
             max_closure: self.closure,
+            lag: self.lag,
+            round_trip: sender.round_trip(),
             duration,
         }
     }

@@ -14,7 +14,10 @@ use super::{Link, Plant};
 
 /// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
 /// vertices of degree 4, and for 64 setpoints.
-type Device = Controller<256, 16_384, 4096, 64, Keyed>;
+pub type SimDevice = Controller<256, HINGES, 4096, 64, Keyed>;
+
+/// Number of hinges for which the controller has room.
+const HINGES: usize = 16_384;
 
 /// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
 const LIMITS: GroupLimits = GroupLimits {
@@ -30,16 +33,18 @@ const STEP: u64 = 250;
 /// Time between two measurements of the sheet, microseconds.
 const LOOK: u64 = 20_000;
 
-/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond. Without a plant its hinges are exactly
+/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond, if there is no other line. Without a plant its hinges are exactly
 /// at the commanded angles, and before the first command they are where the first path begins.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
-    device: Box<Device>,
+    device: Box<SimDevice>,
     up: Line<Pcg64>,
     down: Line<Pcg64>,
     outgoing: Vec<u8>,
     plant: Option<Plant>,
+    /// Angles of hinges that are moved one by one, radians.
+    hinges: Vec<f32>,
 }
 
 impl Sim {
@@ -61,7 +66,7 @@ impl Sim {
         };
         Self {
             now: 0,
-            device: Box::new(Device::keyed(
+            device: Box::new(SimDevice::keyed(
                 Settings {
                     // Any sheet hangs on simulated hinges.
                     closed: false,
@@ -75,6 +80,7 @@ impl Sim {
             down: line(),
             outgoing: Vec::new(),
             plant: None,
+            hinges: Vec::new(),
         }
     }
 
@@ -87,13 +93,42 @@ impl Sim {
         }
     }
 
+    /// Starts a controller of hinges without a sheet, which stand at 0, move as they are commanded, and are measured.
+    #[must_use]
+    pub fn bench() -> Self {
+        Self {
+            hinges: vec![0.0; HINGES],
+            ..Self::new()
+        }
+    }
+
     /// Starts the controller anew with a key.
     #[must_use]
     pub fn with_key(self, key: Key) -> Self {
         Self {
             plant: self.plant,
+            hinges: self.hinges,
+            up: self.up,
+            down: self.down,
             ..Self::keyed(Some(key))
         }
+    }
+
+    /// Puts the controller behind a line with these faults both ways, which are drawn from `seed`.
+    #[must_use]
+    pub fn with_line(self, faults: Faults, seed: u64) -> Self {
+        let line = |way| Line::new(faults, Pcg64::new(u128::from(seed), way));
+        Self {
+            up: line(0),
+            down: line(1),
+            ..self
+        }
+    }
+
+    /// Returns the controller.
+    #[must_use]
+    pub fn device(&self) -> &SimDevice {
+        &self.device
     }
 
     /// Returns the plant that the controller drives.
@@ -144,11 +179,19 @@ impl Link for Sim {
                 let _ = self.device.follower_mut().confirm();
             }
             if let Some(plant) = &mut self.plant {
-                plant.turn(self.now, self.device.follower_mut());
+                plant.turn(self.now, &mut self.device);
                 if self.now.is_multiple_of(LOOK) {
                     plant.look();
                 }
             }
+        }
+        if !self.hinges.is_empty() && self.now.is_multiple_of(4 * STEP) {
+            let hinges = &mut self.hinges;
+            self.device.drive(|hinge, _, target| {
+                let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
+                *angle = target.map_or(*angle, |target| target.angle);
+                Some((*angle).into())
+            });
         }
         self.device.poll(self.now);
         while self.down.is_free(self.now)

@@ -8,14 +8,14 @@ use foldpath_core::wire::sender::Failure;
 pub(super) fn reason(reason: Reason) -> String {
     match reason {
         Reason::None => "nothing holds the motion".into(),
-        Reason::Asked => "the host asked to hold".into(),
+        Reason::Asked => "a host has asked to hold".into(),
         Reason::Underrun => "the queue ran dry".into(),
-        Reason::Silence => "the controller did not hear the host".into(),
+        Reason::Silence => "the controller did not hear its host for a while".into(),
         Reason::Lag(hinge) => format!("hinge {hinge} lags"),
         Reason::StopLine => {
             "the stop line was drawn; --resume goes on once it is let go".to_string()
         }
-        Reason::Session => "another host came".into(),
+        Reason::Session => "the sheet moved for another host when this one came".into(),
         Reason::Refused(refusal) => format!("a setpoint was refused: {refusal}"),
         Reason::Fault(Fault::Stalled(hinge)) => {
             format!("hinge {hinge} has stalled; --resume goes on once it is free")
@@ -26,6 +26,19 @@ pub(super) fn reason(reason: Reason) -> String {
         Reason::Approach => "the groups approach the beginning of the path".into(),
         Reason::Lease => "the path time has reached its bound".into(),
     }
+}
+
+/// Explains why a motion holds, and how to go on.
+pub(super) fn held(why: Reason) -> String {
+    let on = match why {
+        Reason::Silence => {
+            "; --resume goes on from where the sheet stands, and with --unattended also after the next silence"
+        }
+        // Its words say so themselves.
+        Reason::StopLine => "",
+        _ => "; --resume goes on from where the sheet stands",
+    };
+    reason(why) + on
 }
 
 /// Explains why a motion has failed, and that the stop line holds it as well if it is `stopped`.
@@ -51,12 +64,12 @@ pub(super) fn denial(denial: Denial) -> String {
         ),
         Denial::Held => "something holds the motion".into(),
         Denial::Unknown(group) => format!(
-            "the controller does not know where group {group} stands, and measures none of its hinges; --at start says \
-             that the sheet stands where the path begins"
+            "the controller does not know where group {group} stands, and measures none of its hinges; --at flat, \
+             --at goal or --at start says where the sheet stands"
         ),
         Denial::Spread(group) => format!(
-            "the hinges of group {group} are measured at different angles; --at start says that the sheet stands where \
-             the path begins"
+            "the hinges of group {group} are measured at different angles; --at flat, --at goal or --at start says where \
+             the sheet stands"
         ),
         Denial::Range => {
             "the angle is beyond the limits of the controller's board for this hinge".into()

@@ -8,7 +8,9 @@ use crate::image::{image, turn};
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
 use foldpath::read::fold::read_motion;
-use foldpath::stream::{Faulty, Link, Options, Outcome, StreamPath, Summary, Telemetry, Wish};
+use foldpath::stream::{
+    Faulty, Link, Options, Outcome, Stands, StreamPath, Summary, Telemetry, Wish,
+};
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -41,7 +43,11 @@ fn session(
     let (id, resume) = host;
     let options = Options {
         resume,
-        at_start: id == 1,
+        stands: if id == 1 {
+            Stands::AtStart
+        } else {
+            Stands::Known
+        },
         id,
         ..Options::default()
     };
@@ -120,7 +126,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     for (id, key, outcome) in [(5, None, Outcome::NoDevice), (6, Some(key), Outcome::Done)] {
         let path = StreamPath::read(&bytes, Path::new("path.traj")).unwrap();
         let options = Options {
-            at_start: true,
+            stands: Stands::AtStart,
             id,
             key,
             ..Options::default()

@@ -132,6 +132,22 @@ fn usage() {
         stream path.traj --to sim --key nowhere.key
         stream path.traj --to sim --key events.txt
         stream - --to sim --key -
+        stream path.traj --to sim --at goal
+        stream path.traj --to sim --at flat --reverse
+        stream path.traj --to sim --at here
+        drive
+        drive --to sim jgo 3
+        drive --to sim watch three
+        drive --to sim jog 3 at 5
+        drive --to sim jog 3 to up
+        drive --to sim jog 3 by 5 from
+        drive --to sim channel 3 70000
+        drive --to sim sign 3 up
+        drive --to sim limits 3 10 5
+        drive --to sim --map - show
+        drive --to sim --map events.txt show
+        drive --to sim --key -
+        drive --to tcp:1 watch 3
         pair --to tcp:1 --key lab.key
         pair --to qemu --key lab.key
         pair --to sim --key -

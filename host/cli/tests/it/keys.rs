@@ -71,7 +71,12 @@ fn a_key_is_made_once_and_kept_from_others() {
     let keyed = keyed.json();
     assert_eq!(keyed["outcome"], "done");
     assert!(keyed["bytes_sent"].as_u64() > plain["bytes_sent"].as_u64());
-    assert_eq!(keyed["max_closure"], plain["max_closure"]);
+    // Frames with tags take longer, so that telemetry tells other moments of the same motion.
+    for answer in [&keyed, &plain] {
+        let closure = answer["max_closure"].as_f64().unwrap();
+        assert!(closure > 0.0 && closure < 1e-6, "{answer}");
+        assert_eq!(answer["setpoints"], plain["setpoints"]);
+    }
 }
 
 #[test]

@@ -188,6 +188,11 @@ fn every_answer_fits_its_schema() {
             0,
         ),
         ("stream.json", "stream path.traj --to tcp:1 --insecure", 1),
+        (
+            "stream.json",
+            "stream path.traj --to sim --drives lag=0.01",
+            0,
+        ),
         ("error.json", "plan nowhere.fold", 2),
         ("error.json", "check path.fold --bound 0", 2),
         ("error.json", "info", 2),
@@ -199,6 +204,15 @@ fn every_answer_fits_its_schema() {
         assert_eq!(flaw, None, "{arguments}: {}", answer.stdout);
         *judged.entry(file).or_insert(0) += 1;
     }
+    // Each answer of `drive` is on a line of its own.
+    let commands = "watch 3 channel 3 7 zero 3 show jog 3 to 999";
+    let answer = folder.run(&format!("drive --to sim --json {commands}"));
+    assert_eq!(answer.stdout.lines().count(), 5);
+    for line in answer.with_status(1).stdout.lines() {
+        let flaw = schemas.flaw("drive.json", &serde_json::from_str(line).unwrap());
+        assert_eq!(flaw, None, "{line}");
+    }
+    *judged.entry("drive.json").or_insert(0) += 1;
     let designs = [
         json!({"id": "a", "generate": {"family": "miura", "rows": 3, "cols": 3, "angle": 70}, "plan": {"seed": 3, "limit": ["4=-180..0"]}}),
         json!({"id": "b", "pattern": "miura.fold", "path": "b.fold", "plan": {"max_accel": 90, "keep": true}}),

@@ -144,15 +144,16 @@ struct Row {
 
 fn rows(log: &str) -> Vec<Row> {
     let mut lines = log.lines();
-    assert_eq!(
-        lines.next(),
-        Some("t_us,state,sequence,group_0,group_1"),
+    let head = lines.next().unwrap();
+    assert!(
+        head.starts_with("t_us,state,sequence,group_0,group_1,max_lag,lag_hinge,retransmitted,round_trip_us,hinge_0,hinge_1,"),
         "{log}"
     );
+    let columns = head.split(',').count();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(cells.len(), 5, "{line}");
-        let angles = cells[3..].iter().filter(|cell| !cell.is_empty());
+        assert_eq!(cells.len(), columns, "{line}");
+        let angles = cells[3..5].iter().filter(|cell| !cell.is_empty());
         Row {
             micros: cells[0].parse().unwrap(),
             state: cells[1].into(),
@@ -192,11 +193,14 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
     let contract = [
         "bytes_sent",
         "duration",
+        "lag_hinge",
         "max_closure",
+        "max_lag",
         "outcome",
         "reason",
         "refused",
         "retransmitted",
+        "round_trip",
         "setpoints",
     ];
     assert_eq!(keys, contract);
@@ -204,6 +208,13 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
         (&json["outcome"], &json["reason"]),
         (&"done".into(), &Value::Null)
     );
+    // Ideal hinges have no sensors. The line takes a millisecond each way, and the time of the frames.
+    assert_eq!(
+        (&json["max_lag"], &json["lag_hinge"]),
+        (&Value::Null, &Value::Null)
+    );
+    let trip = json["round_trip"].as_f64().unwrap();
+    assert!((0.002..0.01).contains(&trip), "{trip}");
     let bytes = std::fs::read(folder.path("path.traj")).unwrap();
     let file = TrajectoryFile::read(&bytes).unwrap();
     assert_eq!(json["setpoints"], file.len());
@@ -389,6 +400,48 @@ fn driven(folder: &Folder, options: &str) -> Value {
     folder.run(&format!("{stream} {options}")).json()
 }
 
+/// Drives that lag by a hundredth of a second are as far behind as they turn in that time.
+#[test]
+fn measured_angles_and_their_lag_are_told_and_logged() {
+    let folder = small();
+    let stream = "stream path.traj --to sim --drives lag=0.01 --log log.csv";
+    let json = folder.done(&format!("{stream} --json")).json();
+    let lag = json["max_lag"].as_f64().unwrap();
+    assert!((0.5..1.0).contains(&lag), "{json}");
+    let hinge = json["lag_hinge"].as_u64().unwrap();
+    assert!(hinge < 12, "{json}");
+    let log = folder.read("log.csv");
+    let mut lines = log
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<&str>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|cell| *cell == name).unwrap();
+    let (mut worst, mut measured) = (0.0_f64, 0);
+    let path = read(&folder);
+    for row in lines {
+        let number = |name: &str| row[column(name)].parse::<f64>().ok();
+        let Some(largest) = number("max_lag") else {
+            continue;
+        };
+        measured += 1;
+        worst = worst.max(largest);
+        // Twelve hinges are measured with each telemetry, and the lag is that of the row's own angles.
+        let lags = path.hinges().iter().enumerate().map(|(hinge, member)| {
+            let told = number(&format!("group_{}", member.group.index())).unwrap();
+            let sign = if member.negative { -1.0 } else { 1.0 };
+            (number(&format!("hinge_{hinge}")).unwrap() - sign * told).abs()
+        });
+        assert!((lags.fold(0.0, f64::max) - largest).abs() < 1e-6, "{row:?}");
+    }
+    assert!(measured > 50, "{measured}");
+    assert!((worst.to_degrees() - lag).abs() < 1e-4, "{worst} {lag}");
+    let text = folder.done(stream).stdout;
+    assert!(
+        text.contains("  lag          ") && text.contains("  round trip   "),
+        "{text}"
+    );
+}
+
 /// The true angles of the hinges determine the true shape of the sheet.
 #[test]
 fn drives_deform_the_sheet_by_what_they_are_off() {
@@ -525,14 +578,14 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // twelve messages as well.
     assert!((22..=26).contains(&braking), "{braking}");
 
-    // Without `--resume` the path begins elsewhere.
+    // Without `--resume` the hold stays.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
     assert!(
         summary
             .reason
             .unwrap()
-            .starts_with("group 0 stands elsewhere")
+            .starts_with("a host has asked to hold; --resume goes on")
     );
 
     let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
@@ -580,10 +633,10 @@ fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
     }
 }
 
-type Device = Controller<4, 64, 64, 16>;
+pub(crate) type Device = Controller<4, 64, 64, 16>;
 
 /// A controller behind a stream of bytes. It keeps running when its host disconnects, and its clock is real time.
-struct Served {
+pub(crate) struct Served {
     device: Device,
     start: Instant,
     /// Knot at which the controller is, for the test to read.
@@ -630,6 +683,7 @@ impl Served {
                 Err(_) => return,
             }
             self.device.tick(now);
+            self.device.drive(|_, _, _| None);
             self.device.poll(now);
             self.knot
                 .store(self.device.follower().position().knot, Ordering::Relaxed);
@@ -683,7 +737,7 @@ fn is_pause(error: &io::Error) -> bool {
 }
 
 /// Starts a controller, prepared by `prepare`, that serves `hosts` hosts, one after the other, at a port.
-fn served(
+pub(crate) fn served(
     hosts: usize,
     until: fn(&Device) -> bool,
     prepare: fn(&mut Device),
@@ -703,6 +757,32 @@ fn served(
         served.device
     });
     (port, knot, thread)
+}
+
+/// Whatever ends the host, the log has all rows that had come, each whole.
+#[test]
+#[cfg(unix)]
+fn a_killed_host_leaves_a_log_of_whole_rows() {
+    let folder = small();
+    let (port, knot, thread) = served(1, |_| false, |_| {});
+    let stream = format!("stream path.traj --to tcp:{port} --insecure --log log.csv");
+    let mut host = folder.command(&stream).spawn().unwrap();
+    while knot.load(Ordering::Relaxed) < 2 {
+        sleep(Duration::from_millis(1));
+    }
+    host.kill().unwrap();
+    host.wait().unwrap();
+    thread.join().unwrap();
+    let log = folder.read("log.csv");
+    assert!(log.ends_with('\n'), "{log}");
+    let columns = log.lines().next().unwrap().split(',').count();
+    let whole = |line: &str| line.split(',').count() == columns;
+    assert!(log.lines().all(whole), "{log}");
+    let last = log.lines().last().unwrap();
+    assert!(
+        log.lines().count() > 10 && last.contains("Running"),
+        "{log}"
+    );
 }
 
 #[test]

@@ -131,10 +131,12 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Adds a host, which greets the board. The first host says that the sheet stands where the path begins.
+    /// Adds a host, which greets the board and goes on after every silence. The first host says that the sheet stands where
+    /// the path begins.
     pub(crate) fn greet(&mut self, persistence: Persistence) {
         let id = 1000 + 7 * u32::try_from(self.hosts.len()).unwrap();
-        let mut driver = Driver::new(self.fold.items(), persistence, id, PATIENT);
+        let driver = Driver::new(self.fold.items(), persistence, id, PATIENT);
+        let mut driver = driver.unattended();
         if self.hosts.is_empty() {
             driver = driver.confirming();
         }

@@ -1,0 +1,205 @@
+//! The map that `foldpath drive` edits, and its file.
+
+use core::f32::consts::PI;
+use core::fmt;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::Line;
+use crate::CliError;
+use crate::output::write_whole;
+use crate::standard::is_standard;
+use foldpath::read::FileError;
+use foldpath::stream::{Channel, Channels};
+
+/// A hinge and its channel as people read them: angles are in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Row {
+    pub(super) hinge: u16,
+    channel: u16,
+    zero: f64,
+    sign: char,
+    lower: f64,
+    upper: f64,
+}
+
+impl Row {
+    fn new(hinge: u16, channel: Channel) -> Self {
+        let Channel {
+            channel,
+            zero,
+            negative,
+            lower,
+            upper,
+        } = channel;
+        let [zero, lower, upper] = [zero, lower, upper].map(|angle| f64::from(angle).to_degrees());
+        let sign = if negative { '-' } else { '+' };
+        Self {
+            hinge,
+            channel,
+            zero,
+            sign,
+            lower,
+            upper,
+        }
+    }
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            hinge,
+            channel,
+            zero,
+            sign,
+            lower,
+            upper,
+        } = self;
+        write!(
+            f,
+            "hinge {hinge}: channel {channel}, zero {zero:.3} degrees, sign {sign}, limits {lower:.3} to {upper:.3} degrees"
+        )
+    }
+}
+
+/// A map and its file.
+pub(super) struct MapFile {
+    path: Option<PathBuf>,
+    map: Channels,
+    /// Channels with which the controller runs: those of the file as it was read, and those of hinges that are new.
+    running: BTreeMap<u16, Channel>,
+    changed: bool,
+}
+
+impl MapFile {
+    /// Reads the map of a file, which need not be there.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is no map.
+    pub(super) fn read(path: Option<&Path>) -> Result<Self, CliError> {
+        if path.is_some_and(is_standard) {
+            let text = "--map: expected the name of a file, found -";
+            return Err(CliError::Usage(text.into()));
+        }
+        let map = match path.map(|path| (path, std::fs::read_to_string(path))) {
+            None => Channels::default(),
+            Some((path, Ok(text))) => Channels::parse(&text, path)?,
+            Some((_, Err(error))) if error.kind() == ErrorKind::NotFound => Channels::default(),
+            Some((path, Err(source))) => {
+                let path = path.to_path_buf();
+                return Err(FileError::Io { path, source }.into());
+            }
+        };
+        Ok(Self {
+            path: path.map(Path::to_path_buf),
+            running: map.iter().collect(),
+            map,
+            changed: false,
+        })
+    }
+
+    pub(super) fn is_changed(&self) -> bool {
+        self.changed
+    }
+
+    pub(super) fn has_file(&self) -> bool {
+        self.path.is_some()
+    }
+
+    /// Writes the file, whole or not at all; returns what to say.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub(super) fn save(&mut self) -> Result<String, CliError> {
+        let Some(path) = &self.path else {
+            return Ok(String::new());
+        };
+        write_whole(path, self.map.to_string().as_bytes())?;
+        self.changed = false;
+        let count = self.map.iter().count();
+        let missing = self.map.missing();
+        let missing = missing.map_or_else(String::new, |hinge| {
+            format!("; hinge {hinge} has no channel yet, and a board needs one for each hinge")
+        });
+        Ok(format!(
+            "{count} hinges written to {}{missing}",
+            path.display()
+        ))
+    }
+
+    pub(super) fn rows(&self) -> Vec<Row> {
+        let rows = self
+            .map
+            .iter()
+            .map(|(hinge, channel)| Row::new(hinge, channel));
+        let mut rows: Vec<Row> = rows.collect();
+        rows.sort_by_key(|row| row.hinge);
+        rows
+    }
+
+    pub(super) fn get(&self, hinge: u16) -> Option<Channel> {
+        self.map.get(hinge)
+    }
+
+    /// Denies a command on a hinge that the map lacks.
+    pub(super) fn unknown(&self, hinge: u16) -> Line {
+        Line::denied(lacks(hinge))
+    }
+
+    fn set(&mut self, hinge: u16, channel: Channel) -> Row {
+        self.changed |= self.map.get(hinge) != Some(channel);
+        self.map.set(hinge, channel);
+        self.running.entry(hinge).or_insert(channel);
+        Row::new(hinge, channel)
+    }
+
+    fn edit(&mut self, hinge: u16, edit: impl FnOnce(&mut Channel)) -> Result<Row, String> {
+        let mut channel = self.get(hinge).ok_or_else(|| lacks(hinge))?;
+        edit(&mut channel);
+        Ok(self.set(hinge, channel))
+    }
+
+    /// Gives a hinge a channel. A hinge that is new to the map is flat at 0 and may turn half a turn each way.
+    pub(super) fn channel(&mut self, hinge: u16, number: u16) -> Result<Row, String> {
+        if let Some(owner) = self.map.owner(number).filter(|owner| *owner != hinge) {
+            return Err(format!("channel {number} is that of hinge {owner}"));
+        }
+        let channel = self.get(hinge).unwrap_or(Channel {
+            channel: number,
+            zero: 0.0,
+            negative: false,
+            lower: -PI,
+            upper: PI,
+        });
+        Ok(self.set(
+            hinge,
+            Channel {
+                channel: number,
+                ..channel
+            },
+        ))
+    }
+
+    /// Says that a hinge is flat at this angle (radians), as the controller now has it.
+    pub(super) fn zero(&mut self, hinge: u16, angle: f32) -> Result<Row, String> {
+        let raw = self.running.get(&hinge).map(|channel| channel.raw(angle));
+        self.edit(hinge, |channel| channel.zero = raw.unwrap_or(channel.zero))
+    }
+
+    pub(super) fn sign(&mut self, hinge: u16, negative: bool) -> Result<Row, String> {
+        self.edit(hinge, |channel| channel.negative = negative)
+    }
+
+    pub(super) fn limits(&mut self, hinge: u16, [lower, upper]: [f32; 2]) -> Result<Row, String> {
+        self.edit(hinge, |channel| {
+            (channel.lower, channel.upper) = (lower, upper)
+        })
+    }
+}
+
+fn lacks(hinge: u16) -> String {
+    format!("the map has no hinge {hinge}; `channel {hinge} CHANNEL` gives it a channel")
+}

@@ -1,0 +1,328 @@
+//! Commissioning: a session that watches and moves one hinge at a time, without a path.
+
+use std::io;
+
+use foldpath_core::follower::{Denial, State};
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::key::Key;
+use foldpath_core::wire::message::{Command, Item, ToHost};
+use foldpath_core::wire::sender::{self, Phase, Sender, Source};
+
+use super::session::MAX_BYTES;
+use super::{Link, words};
+
+/// Time for a message that tells of a hinge, microseconds. A controller tells every 20 ms, and less often on a slow line.
+const PATIENCE: u64 = 500_000;
+
+/// A host that sends no items.
+struct Nothing;
+
+impl Source for Nothing {
+    fn item<'b>(&self, _: u64, _: &'b mut [u8]) -> Option<Item<'b>> {
+        None
+    }
+}
+
+/// Angles of the hinge that is watched or moved, radians, with the sign of the hinge itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Number of the hinge.
+    pub hinge: u16,
+    /// Commanded angle, if the hinge was moved.
+    pub commanded: Option<f32>,
+    /// Measured angle, if there is one. NaN tells of a sensor that has failed.
+    pub measured: Option<f32>,
+}
+
+impl Seen {
+    /// Returns the angle at which the hinge stands: the measured angle, or else the commanded one.
+    #[must_use]
+    pub fn angle(&self) -> Option<f32> {
+        self.measured.or(self.commanded)
+    }
+}
+
+/// Angle to which a hinge is moved, radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// To this angle.
+    To(f32),
+    /// By this angle, from where it stands.
+    By(f32),
+}
+
+/// Outcome of [`Bench::jog`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Jogged {
+    /// The hinge is commanded to be where it was to move.
+    There(Seen),
+    /// The motion was held, as was asked.
+    Held(Seen),
+    /// The motion ended before: the hinge does not follow, or the stop line was drawn.
+    Ended(Seen),
+}
+
+/// Reason why a command was not carried out.
+#[derive(Debug)]
+pub enum BenchError {
+    /// The line is broken.
+    Line(io::Error),
+    /// There is no session with the controller.
+    NoDevice(String),
+    /// The controller has denied the command.
+    Denied(String),
+}
+
+impl From<io::Error> for BenchError {
+    fn from(error: io::Error) -> Self {
+        Self::Line(error)
+    }
+}
+
+/// A session with a controller that has no path.
+pub struct Bench<L> {
+    link: L,
+    sender: Sender,
+    deframer: Deframer<512>,
+    /// The hinge that is watched or moved, and the time when it was last told, microseconds.
+    seen: Option<(Seen, u64)>,
+}
+
+impl<L: Link> Bench<L> {
+    /// Opens a session. `id` and `nonce` are those of [`Options`](super::Options).
+    ///
+    /// # Errors
+    /// If the line breaks, or no controller answers.
+    pub fn open(link: L, key: Option<Key>, id: u32, nonce: u32) -> Result<Self, BenchError> {
+        let sender = Sender::new(id, sender::Options::default());
+        let mut this = Self {
+            link,
+            sender: match key {
+                Some(key) => sender.with_key(key, nonce),
+                None => sender,
+            },
+            deframer: Deframer::default(),
+            seen: None,
+        };
+        while this.sender.report().is_none() {
+            this.round()?;
+        }
+        Ok(this)
+    }
+
+    /// Sends and takes what is due, and waits for at most a millisecond. It has to be called again and again, also while
+    /// there is nothing to do: a controller that hears nothing ends the motion.
+    ///
+    /// # Errors
+    /// If the line breaks, or the session is over.
+    pub fn round(&mut self) -> Result<(), BenchError> {
+        let (mut scratch, mut buffer) = ([0; 64], [0; 64]);
+        let mut bytes = Vec::new();
+        while self.link.is_free() {
+            let now = self.link.now();
+            let frame = self.sender.poll(now, &Nothing, &mut scratch, &mut buffer);
+            let Some(frame) = frame else { break };
+            bytes.clear();
+            cobs::encode(frame, |byte| bytes.push(byte));
+            self.link.write(&bytes)?;
+        }
+        self.link.wait()?;
+        for _ in 0..MAX_BYTES {
+            let Some(byte) = self.link.read()? else { break };
+            let now = self.link.now();
+            let Some(frame) = self.deframer.push(byte) else {
+                continue;
+            };
+            if let Some(ToHost::Measured {
+                first,
+                target,
+                angles,
+                ..
+            }) = self.sender.receive(frame, now)
+                && let Some((seen, told)) = &mut self.seen
+                && seen.hinge == first
+            {
+                let (angles, _) = angles.as_chunks::<4>();
+                seen.measured = angles.first().copied().map(f32::from_le_bytes);
+                (seen.commanded, *told) = (target, now);
+                // A hinge that is moved without a sensor is told with no number.
+                if target.is_some() {
+                    seen.measured = seen.measured.filter(|angle| !angle.is_nan());
+                }
+            }
+        }
+        if let Phase::Failed(failure) = self.sender.phase() {
+            let met = self.sender.capacity().is_some();
+            return Err(BenchError::NoDevice(words::failure(failure, met)));
+        }
+        Ok(())
+    }
+
+    /// Sends a command and waits for its answer.
+    fn ask(&mut self, command: Command) -> Result<Result<(), Denial>, BenchError> {
+        while !self.sender.command(command) {
+            self.round()?;
+        }
+        loop {
+            if let Some(answer) = self.sender.answer() {
+                return Ok(answer);
+            }
+            self.round()?;
+        }
+    }
+
+    /// Asks for a hinge to be watched, or moved to an angle. `from` is where an operator says that it stands.
+    fn ask_jog(
+        &mut self,
+        hinge: u16,
+        from: Option<f32>,
+        to: Option<f32>,
+    ) -> Result<(), BenchError> {
+        let denied = self.ask(Command::Jog { hinge, from, to })?;
+        denied.map_err(|denial| BenchError::Denied(self.denial(hinge, denial)))
+    }
+
+    /// Explains why a hinge is not watched or moved, and what to do.
+    fn denial(&self, hinge: u16, denial: Denial) -> String {
+        let report = self.sender.report();
+        let idle = report.is_some_and(|report| report.state == State::Idle);
+        match denial {
+            Denial::State if idle => {
+                "the controller knows where its sheet stands and holds its hinges there, and one that moves alone would \
+                 tear the sheet; take the sheet off, and let `clear` forget where it stands"
+                    .into()
+            }
+            Denial::State => {
+                let state = report.map(|report| report.state);
+                let state = state.map_or_else(String::new, |state| format!(" ({state:?})"));
+                format!("the controller has a path or a fault{state}; `clear` drops it")
+            }
+            Denial::Held => "the stop line holds the hinges; let it go, and then `clear`".into(),
+            Denial::Range => {
+                let room = self.sender.capacity().unwrap_or_default().hinges;
+                format!(
+                    "expected a hinge below {room}, and an angle within the limits that the board has for it"
+                )
+            }
+            Denial::Unknown(_) => format!(
+                "nothing tells where hinge {hinge} stands; look, and add `from DEGREES`"
+            ),
+            Denial::Jump(_) => format!(
+                "hinge {hinge} stands elsewhere than was said, or beyond the limits that the board has for it"
+            ),
+            denial => words::denial(denial),
+        }
+    }
+
+    /// Waits for the next word of the watched hinge.
+    fn look(&mut self) -> Result<Seen, BenchError> {
+        let begun = self.link.now();
+        loop {
+            self.round()?;
+            let (seen, told) = self.seen.unwrap_or_default();
+            if told > begun || self.link.now() > begun + PATIENCE {
+                return Ok(seen);
+            }
+        }
+    }
+
+    /// Watches a hinge. Nothing moves. Another hinge that was moved before has no command any more.
+    ///
+    /// # Errors
+    /// If the controller has a path or a fault, if there is no such hinge, or if there is no session any more.
+    pub fn watch(&mut self, hinge: u16) -> Result<Seen, BenchError> {
+        self.ask_jog(hinge, None, None)?;
+        if self.seen.is_none_or(|(seen, _)| seen.hinge != hinge) {
+            let seen = Seen {
+                hinge,
+                ..Seen::default()
+            };
+            self.seen = Some((seen, 0));
+        }
+        self.look()
+    }
+
+    /// Moves a hinge slowly, until it is there, or until `stops` returns `true`. `from` is where an operator says that it
+    /// stands, for a hinge that is not measured.
+    ///
+    /// # Errors
+    /// If nobody knows where the hinge stands, if the controller denies the motion, or if there is no session any more.
+    pub fn jog(
+        &mut self,
+        hinge: u16,
+        from: Option<f32>,
+        way: Way,
+        stops: &dyn Fn() -> bool,
+    ) -> Result<Jogged, BenchError> {
+        let seen = self.watch(hinge)?;
+        let to = match way {
+            Way::To(angle) => angle,
+            Way::By(angle) => {
+                let measured = seen.measured.filter(|angle| angle.is_finite());
+                let begin = seen.commanded.or(measured).or(from);
+                let unknown = Denial::Unknown(hinge);
+                angle + begin.ok_or_else(|| BenchError::Denied(self.denial(hinge, unknown)))?
+            }
+        };
+        self.ask_jog(hinge, from, Some(to))?;
+        let bits = |seen: Seen| seen.commanded.map(f32::to_bits);
+        let (mut last, mut since) = (bits(seen), self.link.now());
+        loop {
+            self.round()?;
+            let (seen, told) = self.seen.unwrap_or_default();
+            if bits(seen) == Some(to.to_bits()) {
+                return Ok(Jogged::There(seen));
+            }
+            if stops() {
+                // The motion ends whatever is answered.
+                let _ = self.ask(Command::Hold)?;
+                return Ok(Jogged::Held(self.look()?));
+            }
+            if bits(seen) != last {
+                (last, since) = (bits(seen), told);
+            }
+            // Told again and again, and always of the same angle; or not told at all.
+            let now = self.link.now();
+            if told > since + PATIENCE || now > told.max(since) + 4 * PATIENCE {
+                return Ok(Jogged::Ended(seen));
+            }
+        }
+    }
+
+    /// Tells where the hinge that is watched stands now; watches it before, if it is another.
+    ///
+    /// # Errors
+    /// As [`watch`](Self::watch).
+    pub fn place(&mut self, hinge: u16) -> Result<Seen, BenchError> {
+        if self.seen.is_some_and(|(seen, _)| seen.hinge == hinge) {
+            self.look()
+        } else {
+            self.watch(hinge)
+        }
+    }
+
+    /// Leaves a fault and a stop line behind, drops the path, and forgets where the sheet stands. Nothing moves.
+    ///
+    /// # Errors
+    /// If the sheet still moves, if the stop line is drawn, or if there is no session any more.
+    pub fn clear(&mut self) -> Result<(), BenchError> {
+        if self
+            .sender
+            .report()
+            .is_some_and(|report| report.state == State::Faulted)
+        {
+            self.ask(Command::Clear)?
+                .map_err(|denial| BenchError::Denied(words::denial(denial)))?;
+        }
+        // The path goes before the hold, so that nothing can move.
+        for command in [Command::Forget, Command::Resume] {
+            self.ask(command)?.map_err(|denial| {
+                BenchError::Denied(match denial {
+                    Denial::Held => "the stop line is drawn; let it go, and then `clear`".into(),
+                    denial => words::denial(denial),
+                })
+            })?;
+        }
+        Ok(())
+    }
+}
