@@ -143,6 +143,25 @@ impl<P: Protection> Receiver<P> {
         core::mem::take(&mut self.opened)
     }
 
+    /// Ends the session. The host learns it from the answer to its next frame, and may ask for another one.
+    pub fn close(&mut self) {
+        let greetings = self.greetings;
+        *self = Self::protected(self.identity, self.protection.clone());
+        self.greetings = greetings;
+    }
+
+    /// Returns the number of the item that is expected next, modulo 2¹⁶.
+    #[must_use]
+    pub fn next(&self) -> u16 {
+        self.next
+    }
+
+    /// Returns why the expected item was refused, if it was.
+    #[must_use]
+    pub fn refused(&self) -> Option<ItemRefusal> {
+        self.refused
+    }
+
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
         let session = frame::session(self.identity.node, bytes)?;

@@ -104,9 +104,9 @@ pub struct Controller<
     const KNOTS: usize,
     P = Unkeyed,
 > {
-    settings: Settings,
-    loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
-    receiver: Receiver<P>,
+    pub(crate) settings: Settings,
+    pub(crate) loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
+    pub(crate) receiver: Receiver<P>,
     deframer: Deframer<FRAME>,
     ring: Ring<WAITING>,
     /// `true` if the stop line was drawn since a command was last answered.
@@ -508,7 +508,7 @@ fn number(hinge: usize) -> u32 {
 }
 
 /// Tells whether an item was taken, if that is known.
-fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bool, ItemRefusal>) {
+pub(crate) fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bool, ItemRefusal>) {
     match taken {
         Ok(true) => receiver.took(),
         Ok(false) => {}

@@ -7,6 +7,7 @@ mod links;
 mod loading;
 mod machine;
 mod path;
+mod player;
 mod power_on;
 mod refusals;
 mod resets;
