@@ -78,6 +78,8 @@ impl Settings {
 
 /// State of a controller for whatever powers its drives: to hold them, or to let them rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Condition {
     /// State of the follower.
     pub state: State,

@@ -15,7 +15,7 @@ pub(crate) struct Jog {
     hinge: Option<u16>,
     /// Time of the last tick, microseconds.
     now: u64,
-    /// What it is commanded; `None` while it is only watched.
+    /// Its command; `None` while it is only watched.
     target: Option<Target<f32>>,
     /// Angle where the motion ends, radians, and its speed, radians per second.
     to: f32,

@@ -15,6 +15,7 @@ const QUIET: u64 = 1_000_000;
 /// Reason why a [`Player`] did not do what it was asked, or why it stopped.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlayRefusal {
     /// A host was heard within the last second.
     Host,
@@ -37,6 +38,7 @@ impl From<Denial> for PlayRefusal {
 /// Reason why there is no [`Player`] of some bytes.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlayerError {
     /// The bytes are no trajectory file.
     File(FileError),
@@ -44,7 +46,7 @@ pub enum PlayerError {
     Size,
 }
 
-/// What a button has asked for.
+/// A request of a button.
 #[derive(Clone, Copy, Debug)]
 enum Ask {
     Press,
@@ -73,14 +75,13 @@ struct Start {
 /// Plays a trajectory file (`.traj`) from flash when a button is pressed, through the same checks as the path of a host.
 ///
 /// The board creates it once, tells it of each press, and lends it to [`Application::play`](crate::Application::play) in
-/// each round of its main loop. Where the path goes on follows from the place that the controller knows, also after a
-/// reset, and whoever has played the path before: a host can go on with a path that a button has begun, and the other way
-/// round.
+/// each round of its main loop. It goes on from the place on the path that the controller knows, which a reset keeps. So a
+/// host can go on with a path that a button has begun, and a button with a path of a host.
 ///
 /// | state of the controller | [`press`](Self::press) | [`press_flat`](Self::press_flat) |
 /// |---|---|---|
 /// | a host was heard within the last second | refused: `Host` | refused: `Host` |
-/// | [`Idle`](State::Idle) or [`Done`](State::Done), or at rest on a path of a silent host | starts where this path was left, or at its beginning. Where it has ended, the way back starts, and behind that the path again; without a way back, refused: `Done` | starts the path at its beginning, and takes this as the operator's word that the sheet stands there if nobody knows where it stands |
+/// | [`Idle`](State::Idle) or [`Done`](State::Done), or at rest on a path of a silent host | starts where this path was left, or at its beginning. At its end it starts the way back, and at the end of that the path again. Without a way back it is refused: `Done` | starts the path at its beginning, and takes this as the operator's word that the sheet stands there if nobody knows where it stands |
 /// | moving on a path of a silent host | refused: `Denied(Moving)` | the same |
 /// | the file is being loaded, or the start waits for measurements | calls the start off; one more press starts | the same |
 /// | [`Ready`](State::Ready), a start was refused | asks for the start once more | the same, with the operator's word |
