@@ -49,6 +49,7 @@ pub struct Setpoint<T, const GROUPS: usize> {
 
 /// Reason why a setpoint is not followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// Nothing is being followed: there is no sheet, or the motion is done or has failed.
     State,

@@ -12,6 +12,7 @@ use crate::{HalfAngle, Scalar};
 
 /// Kind of motion between two knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Interpolation {
     /// Linear in the fold angle.
     Linear,

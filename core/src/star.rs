@@ -44,6 +44,11 @@ impl<T: Scalar> Spoke<T> {
         (spoke, code & 2 == 2)
     }
 
+    /// Returns the code of the spoke, see [`from_code`](Self::from_code).
+    pub(crate) fn code(&self, last: bool) -> u32 {
+        4 * self.group.0 + 2 * u32::from(last) + u32::from(self.negative)
+    }
+
     /// Returns `true` if the direction has length 1 up to rounding: its squared length is within √ε of 1.
     pub(crate) fn is_unit(&self) -> bool {
         let [x, y] = self.direction;
@@ -61,11 +66,9 @@ pub struct StarView<'a, T> {
 impl<'a, T: Scalar> StarView<'a, T> {
     /// Iterates over the spokes, each with the code of [`Spoke::from_code`].
     pub(crate) fn codes(self) -> impl Iterator<Item = (u32, &'a Spoke<T>)> {
-        (1..).zip(self.spokes).map(move |(count, spoke)| {
-            let last = u32::from(count == self.spokes.len());
-            let code = 4 * spoke.group.0 + 2 * last + u32::from(spoke.negative);
-            (code, spoke)
-        })
+        (1..)
+            .zip(self.spokes)
+            .map(move |(count, spoke)| (spoke.code(count == self.spokes.len()), spoke))
     }
 }
 

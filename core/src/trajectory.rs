@@ -55,6 +55,7 @@ impl<T: Scalar> Knot<'_, T> {
 
 /// Reason why a trajectory cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TrajectoryError {
     /// The knot of this number does not have one angle and one rate for each group, or lacks its weights.
     Width(usize),

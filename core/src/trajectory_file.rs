@@ -31,6 +31,7 @@ pub const VERSION: u8 = 2;
 
 /// Reason why bytes are not a trajectory, or why a trajectory cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FileError {
     /// The file does not begin with [`MAGIC`].
     Magic,

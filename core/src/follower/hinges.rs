@@ -5,6 +5,7 @@ use crate::{Membership, Scalar};
 
 /// What a hinge is commanded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Target<T> {
     /// Angle where it is to be now, radians.
     pub angle: T,
@@ -14,6 +15,7 @@ pub struct Target<T> {
 
 /// Measured angle of a hinge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurement<T> {
     /// Angle, radians. NaN, or what is no angle, tells of a sensor that has failed, and holds the motion.
     pub angle: T,

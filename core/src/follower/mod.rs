@@ -373,10 +373,16 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.now
     }
 
+    /// Returns the microseconds since the host was heard.
+    #[must_use]
+    pub fn quiet(&self) -> u64 {
+        self.now.saturating_sub(self.heard)
+    }
+
     /// Returns `true` if the host was not heard for longer than [`Options::silence`].
     #[must_use]
     pub fn is_silent(&self) -> bool {
-        self.now.saturating_sub(self.heard) > u64::from(self.options.silence)
+        self.quiet() > u64::from(self.options.silence)
     }
 
     /// Notes that the host was heard at `now`, microseconds.

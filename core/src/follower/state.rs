@@ -1,4 +1,7 @@
 //! The states of a follower, the reasons for slowing or holding, its options, and its answers to commands.
+//!
+//! The enumerations here and in [`wire::message`](crate::wire::message) list all variants, so that a program that matches
+//! them misses none. A new variant changes the protocol, and is a new minor version of this crate before 1.0.
 
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -9,6 +12,7 @@ use crate::path_clock::ClockLimits;
 
 /// State of a follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// There is no path.
     #[default]
@@ -46,6 +50,7 @@ impl Serialize for State {
 
 /// Failure that ends a motion. It stays until it is [cleared](crate::follower::Follower::clear).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Fault {
     /// This hinge did not follow its command.
     Stalled(u32),
@@ -70,6 +75,7 @@ impl Serialize for Fault {
 
 /// Reason why a follower does not run at full speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// Nothing slows or holds the motion.
     #[default]
@@ -122,6 +128,7 @@ impl Serialize for Reason {
 
 /// Reason why a command is not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Denial {
     /// The command is not allowed in this state.
     State,
@@ -173,6 +180,7 @@ impl Serialize for Denial {
 
 /// A position on a path; the protocol calls it a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FollowerPosition<T> {
     /// Number of the last knot at or before the position.
     #[serde(with = "long")]

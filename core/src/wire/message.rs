@@ -18,6 +18,7 @@ pub const SCHEMA: u32 = 0xcef5_8354;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ToDevice<'a> {
     /// Asks for a session, in session 0.
     Hello {
@@ -56,6 +57,7 @@ pub enum ToDevice<'a> {
 
 /// Items, which are sent in order: a sheet, and then the setpoints of a path on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Item<'a> {
     /// A new sheet.
     Sheet(SheetHead),
@@ -76,6 +78,7 @@ pub enum Item<'a> {
 
 /// Numbers of groups, hinges and spokes of a sheet, and the place on its path at which to begin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SheetHead {
     /// Kind of motion between setpoints.
     pub interpolation: Interpolation,
@@ -99,6 +102,7 @@ pub struct SheetHead {
 
 /// A setpoint as it is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SetpointBytes<'a> {
     /// Number of the knot in its path.
     #[serde(with = "long")]
@@ -114,6 +118,7 @@ pub struct SetpointBytes<'a> {
 
 /// Commands of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
     /// Begin to move.
     Start,
@@ -144,6 +149,7 @@ pub enum Command {
 
 /// The largest numbers for which a controller has room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Capacity {
     /// Number of groups.
     #[serde(with = "short")]
@@ -161,6 +167,7 @@ pub struct Capacity {
 
 /// A message from the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ToHost<'a> {
     /// Told in session 0 that the controller speaks another version.
     Mismatch {
@@ -228,6 +235,7 @@ pub enum ToHost<'a> {
 
 /// Acknowledges the items that have come, grants credit and tells the state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report {
     /// Number of the item that is expected next: all items before it have come.
     #[serde(with = "short")]
@@ -264,6 +272,7 @@ pub struct Report {
 
 /// Reason why an item is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ItemRefusal {
     /// The setpoint is not valid.
     Setpoint(Refusal),

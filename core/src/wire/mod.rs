@@ -10,12 +10,13 @@
 //! - [`key`], [`protection`]: keys, and frames that only their owners can make.
 //! - [`sender`], [`receiver`]: the two ends. Items come through once each, in order, and never more than there is room
 //!   for.
-//! - [`path`]: a path and its sheet as items.
+//! - [`path`], [`file`](mod@file): a path and its sheet as items, from memory and from a trajectory file.
 //! - [`transmit`]: bytes that wait for the line; telemetry gives way to answers.
 
 pub mod cobs;
 mod credentials;
 pub mod driver;
+pub mod file;
 pub mod frame;
 pub mod key;
 pub mod message;

@@ -142,26 +142,8 @@ impl<'a> PathItems<'a> {
         if !sound {
             return None;
         }
-        items.head.path = items.checksum().max(1);
+        items.head.path = identity(&items);
         Some(items)
-    }
-
-    /// Returns the checksum of all numbers of the path and its sheet, the limits aside.
-    fn checksum(&self) -> u32 {
-        let mut sum = u32::from(self.head.interpolation as u8);
-        let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
-        self.hinge_bytes().for_each(|byte| add(&[byte]));
-        for (code, spoke) in self.stars.iter().flat_map(StarView::codes) {
-            add(&code.to_le_bytes());
-            spoke.direction.iter().for_each(|x| add(&x.to_le_bytes()));
-        }
-        for knot in (0..self.path.len()).filter_map(|knot| self.path.knot(knot)) {
-            add(&knot.time.to_le_bytes());
-            let numbers = knot.angles.iter().chain(knot.rates);
-            let numbers = numbers.chain(knot.weights.as_flattened());
-            numbers.for_each(|number| add(&number.to_le_bytes()));
-        }
-        sum
     }
 
     /// Returns the number that tells this path from others, see [`SheetHead::path`].
@@ -173,33 +155,7 @@ impl<'a> PathItems<'a> {
     /// Returns the number of items of a setpoint.
     #[must_use]
     pub fn pieces(&self) -> usize {
-        pieces(self.head.interpolation, self.path.groups())
-    }
-
-    /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
-    /// item.
-    fn bytes(&self) -> [(usize, usize); 3] {
-        let SheetHead {
-            groups,
-            hinges,
-            spokes,
-            ..
-        } = self.head;
-        let bits = hinge_bits(groups);
-        [
-            (usize::from(groups) * LIMITS_BYTES, MAX_LIMITS_BYTES),
-            // A multiple of `bits` bytes, so that whole codes fill whole bytes.
-            (
-                (usize::from(hinges) * bits.get()).div_ceil(8),
-                MAX_HINGES_BYTES / bits * bits.get(),
-            ),
-            (usize::from(spokes) * SPOKE_BYTES, MAX_SPOKES_BYTES),
-        ]
-    }
-
-    /// Returns the number of items of limits, of hinges and of spokes.
-    fn counts(&self) -> [usize; 3] {
-        self.bytes().map(|(all, most)| all.div_ceil(most))
+        self.head.pieces()
     }
 
     /// Returns the items of this path from another place on; `None` if that place is not on it.
@@ -240,7 +196,7 @@ impl<'a> PathItems<'a> {
     /// Returns the number of items before the first setpoint, which are those of the sheet.
     #[must_use]
     pub fn head(&self) -> usize {
-        1 + self.counts().iter().sum::<usize>()
+        self.head.items()
     }
 
     /// Returns the number of items.
@@ -254,73 +210,212 @@ impl<'a> PathItems<'a> {
     pub fn is_empty(&self) -> bool {
         false
     }
+}
 
-    fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        let (setpoint, piece) = (index / self.pieces(), index % self.pieces());
-        let number = self.first.checked_add(setpoint)?;
-        let knot = self.path.knot(number)?;
-        let mut weights = knot.weights.iter();
-        let groups = knot.angles.iter().zip(knot.rates);
-        let numbers = groups.flat_map(|(&angle, &rate)| {
-            let weight = weights.next().copied().unwrap_or_default();
-            [angle, rate, weight[0], weight[1]]
-                .into_iter()
-                .take(self.head.interpolation.width())
-        });
-        let bytes = part(
-            numbers.flat_map(f32::to_le_bytes),
-            (piece * NODES_BYTES, NODES_BYTES),
-            scratch,
-        )?;
-        if piece + 1 < self.pieces() {
-            return Some(Item::Nodes(bytes));
-        }
-        Some(Item::Setpoint(SetpointBytes {
-            number: u32::try_from(number).ok()?,
-            time: knot.time,
-            last: number + 1 == self.path.len(),
-            nodes: bytes,
-        }))
+impl SheetHead {
+    /// Returns the number of items of a setpoint.
+    fn pieces(&self) -> usize {
+        pieces(self.interpolation, usize::from(self.groups))
     }
 
-    /// Encodes the codes of all hinges, one behind the other.
-    fn hinge_bytes(&self) -> impl Iterator<Item = u8> {
-        let bits = hinge_bits(self.head.groups);
-        let bit = move |place: usize| {
-            let hinge = self.hinges.get(place / bits);
-            let code = hinge.map_or(0, |hinge| hinge.code());
-            u8::from(code >> (place % bits) & 1 == 1)
-        };
-        let byte = move |byte: usize| (0..8).fold(0, |value, k| value | bit(8 * byte + k) << k);
-        (0..(self.hinges.len() * bits.get()).div_ceil(8)).map(byte)
-    }
-
-    /// Writes the bytes of piece number `index` of a kind: 0 limits, 1 hinges, 2 spokes.
-    fn piece<'b>(&self, kind: usize, index: usize, scratch: &'b mut [u8]) -> Option<&'b [u8]> {
-        let (_, length) = *self.bytes().get(kind)?;
-        let range = (index * length, length);
-        match kind {
-            0 => part(
-                self.limits
-                    .iter()
-                    .flat_map(|group| group.numbers().into_iter().flat_map(f32::to_le_bytes)),
-                range,
-                scratch,
+    /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
+    /// item.
+    fn bytes(&self) -> [(usize, usize); 3] {
+        let bits = hinge_bits(self.groups);
+        [
+            (usize::from(self.groups) * LIMITS_BYTES, MAX_LIMITS_BYTES),
+            // A multiple of `bits` bytes, so that whole codes fill whole bytes.
+            (
+                (usize::from(self.hinges) * bits.get()).div_ceil(8),
+                MAX_HINGES_BYTES / bits * bits.get(),
             ),
-            1 => part(self.hinge_bytes(), range, scratch),
-            _ => part(
-                self.stars.iter().flat_map(|star| {
-                    star.codes().flat_map(|(code, spoke)| {
-                        let [a, b, ..] = code.to_le_bytes();
-                        let numbers = spoke.direction.into_iter().flat_map(f32::to_le_bytes);
-                        [a, b].into_iter().chain(numbers)
-                    })
-                }),
-                range,
-                scratch,
-            ),
+            (usize::from(self.spokes) * SPOKE_BYTES, MAX_SPOKES_BYTES),
+        ]
+    }
+
+    /// Returns the number of items before the first setpoint.
+    fn items(&self) -> usize {
+        let counts = self.bytes().map(|(all, most)| all.div_ceil(most));
+        1 + counts.iter().sum::<usize>()
+    }
+}
+
+/// The numbers of a path and its sheet, wherever they are kept.
+pub(super) trait Content {
+    fn head(&self) -> &SheetHead;
+    /// Returns the number of knots.
+    fn knots(&self) -> usize;
+    /// Iterates over the limits of each group.
+    fn limits(&self) -> impl Iterator<Item = GroupLimits>;
+    /// Iterates over group and sign of each hinge.
+    fn hinges(&self) -> impl Iterator<Item = Membership>;
+    /// Iterates over code and direction of each spoke, see [`Spoke::from_code`].
+    fn spokes(&self) -> impl Iterator<Item = (u32, [f32; 2])>;
+    /// Returns the time of a knot, seconds.
+    fn time(&self, knot: usize) -> Option<f32>;
+    /// Returns what a group does at a knot; its weight counts only if the interpolation has weights.
+    fn node(&self, knot: usize, group: usize) -> Option<Node<f32>>;
+}
+
+impl Content for PathItems<'_> {
+    fn head(&self) -> &SheetHead {
+        &self.head
+    }
+
+    fn knots(&self) -> usize {
+        self.path.len()
+    }
+
+    fn limits(&self) -> impl Iterator<Item = GroupLimits> {
+        self.limits.iter().copied()
+    }
+
+    fn hinges(&self) -> impl Iterator<Item = Membership> {
+        self.hinges.iter().copied()
+    }
+
+    fn spokes(&self) -> impl Iterator<Item = (u32, [f32; 2])> {
+        let codes = self.stars.iter().flat_map(StarView::codes);
+        codes.map(|(code, spoke)| (code, spoke.direction))
+    }
+
+    fn time(&self, knot: usize) -> Option<f32> {
+        Some(self.path.knot(knot)?.time)
+    }
+
+    fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {
+        let knot = self.path.knot(knot)?;
+        Some(Node {
+            angle: *knot.angles.get(group)?,
+            rate: *knot.rates.get(group)?,
+            weight: knot.weights.get(group).copied().unwrap_or_default(),
+        })
+    }
+}
+
+/// Returns the checksum of all numbers of a path and its sheet, the limits aside, or 1 if it is 0.
+pub(super) fn identity(content: &impl Content) -> u32 {
+    let kind = content.head().interpolation;
+    let mut sum = u32::from(kind as u8);
+    let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
+    hinge_bytes(content).for_each(|byte| add(&[byte]));
+    for (code, direction) in content.spokes() {
+        add(&code.to_le_bytes());
+        direction.iter().for_each(|x| add(&x.to_le_bytes()));
+    }
+    for knot in 0..content.knots() {
+        if let Some(time) = content.time(knot) {
+            add(&time.to_le_bytes());
+        }
+        let groups = 0..usize::from(content.head().groups);
+        let nodes = || groups.clone().filter_map(|group| content.node(knot, group));
+        nodes().for_each(|node| add(&node.angle.to_le_bytes()));
+        nodes().for_each(|node| add(&node.rate.to_le_bytes()));
+        if kind.width() == 4 {
+            let weights = nodes().flat_map(|node| node.weight);
+            weights.for_each(|number| add(&number.to_le_bytes()));
         }
     }
+    sum.max(1)
+}
+
+/// Encodes the codes of all hinges, one behind the other.
+fn hinge_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
+    let bits = hinge_bits(content.head().groups).get();
+    let mut hinges = content.hinges();
+    // Bits that are not told yet, the first of them lowest.
+    let (mut word, mut filled) = (0, 0);
+    core::iter::from_fn(move || {
+        while filled < 8 {
+            match hinges.next() {
+                Some(hinge) => {
+                    word |= hinge.code() << filled;
+                    filled += bits;
+                }
+                None if filled == 0 => return None,
+                None => filled = 8,
+            }
+        }
+        let [byte, ..] = word.to_le_bytes();
+        word >>= 8;
+        filled -= 8;
+        Some(byte)
+    })
+}
+
+/// Returns item number `index` of a path from its knot number `first` on, with its bytes in `scratch`.
+pub(super) fn item<'b>(
+    content: &impl Content,
+    first: usize,
+    index: u64,
+    scratch: &'b mut [u8],
+) -> Option<Item<'b>> {
+    let mut index = usize::try_from(index).ok()?;
+    let head = content.head();
+    if index == 0 {
+        return Some(Item::Sheet(*head));
+    }
+    index -= 1;
+    for (kind, (all, most)) in (0..).zip(head.bytes()) {
+        let count = all.div_ceil(most);
+        if index < count {
+            let range = (index * most, most);
+            return Some(match kind {
+                0 => Item::Limits(part(limit_bytes(content), range, scratch)?),
+                1 => Item::Hinges(part(hinge_bytes(content), range, scratch)?),
+                _ => Item::Spokes(part(spoke_bytes(content), range, scratch)?),
+            });
+        }
+        index -= count;
+    }
+    setpoint(content, first, index, scratch)
+}
+
+fn limit_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
+    let numbers = content.limits().flat_map(|group| group.numbers());
+    numbers.flat_map(f32::to_le_bytes)
+}
+
+fn spoke_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
+    content.spokes().flat_map(|(code, direction)| {
+        let [a, b, ..] = code.to_le_bytes();
+        let numbers = direction.into_iter().flat_map(f32::to_le_bytes);
+        [a, b].into_iter().chain(numbers)
+    })
+}
+
+/// Returns piece number `index` of the setpoints from knot number `first` on.
+fn setpoint<'b>(
+    content: &impl Content,
+    first: usize,
+    index: usize,
+    scratch: &'b mut [u8],
+) -> Option<Item<'b>> {
+    let head = content.head();
+    let (setpoint, piece) = (index / head.pieces(), index % head.pieces());
+    let number = first.checked_add(setpoint)?;
+    let time = content.time(number)?;
+    let groups = 0..usize::from(head.groups);
+    let nodes = groups.filter_map(|group| content.node(number, group));
+    let numbers = nodes.flat_map(|node| {
+        let [weight, rate] = node.weight;
+        let numbers = [node.angle, node.rate, weight, rate];
+        numbers.into_iter().take(head.interpolation.width())
+    });
+    let bytes = part(
+        numbers.flat_map(f32::to_le_bytes),
+        (piece * NODES_BYTES, NODES_BYTES),
+        scratch,
+    )?;
+    if piece + 1 < head.pieces() {
+        return Some(Item::Nodes(bytes));
+    }
+    Some(Item::Setpoint(SetpointBytes {
+        number: u32::try_from(number).ok()?,
+        time,
+        last: number + 1 == content.knots(),
+        nodes: bytes,
+    }))
 }
 
 /// Writes `length` bytes behind the first `from` to `scratch`, or as many as there are.
@@ -344,22 +439,6 @@ fn fill(scratch: &mut [u8], bytes: impl Iterator<Item = u8>) -> Option<&[u8]> {
 
 impl Source for PathItems<'_> {
     fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        let mut index = usize::try_from(index).ok()?;
-        if index == 0 {
-            return Some(Item::Sheet(self.head));
-        }
-        index -= 1;
-        for (kind, count) in (0..).zip(self.counts()) {
-            if index < count {
-                let bytes = self.piece(kind, index, scratch)?;
-                return Some(match kind {
-                    0 => Item::Limits(bytes),
-                    1 => Item::Hinges(bytes),
-                    _ => Item::Spokes(bytes),
-                });
-            }
-            index -= count;
-        }
-        self.setpoint(index, scratch)
+        item(self, self.first, index, scratch)
     }
 }

@@ -166,6 +166,25 @@ impl<P: Protection> Receiver<P> {
         }
     }
 
+    /// Ends the session. A host without a key learns it from the answer to its next frame, and one with a key from silence.
+    /// Either may ask for another session.
+    pub fn close(&mut self) {
+        (self.offered, self.open) = (None, None);
+        (self.opened, self.due, self.course) = (false, Due::default(), Course::default());
+    }
+
+    /// Returns the number of the item that is expected next, modulo 2¹⁶.
+    #[must_use]
+    pub fn next(&self) -> u16 {
+        self.course.next
+    }
+
+    /// Returns why the expected item was refused, if it was.
+    #[must_use]
+    pub fn refused(&self) -> Option<ItemRefusal> {
+        self.course.refused
+    }
+
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
         let session = frame::session(self.identity.node, bytes)?;

@@ -6,7 +6,9 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use foldpath_core::acceptance::Refusal;
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory_file::{self, TrajectoryFile};
 use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::file::FileItems;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
     Capacity, Command, Item, ItemRefusal, Report, SCHEMA, SetpointBytes, SheetHead, ToDevice,
@@ -16,7 +18,7 @@ use foldpath_core::wire::path::{self, PathItems};
 use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 use foldpath_core::wire::transmit::Ring;
-use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership};
+use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
 use foldpath_test_support::Random;
 use foldpath_test_support::stars::miura;
 use rand_core::Rng;
@@ -956,6 +958,64 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
         negative: false,
     };
     assert!(new(&[lost], place).is_none());
+}
+
+/// A file gives the same items as the path that was written to it, of groups that fill several items, with and without
+/// weights, from any knot on.
+#[test]
+fn a_file_gives_the_items_of_its_path() {
+    let (knots, groups) = (5_u16, 31_u16);
+    let times: Vec<f32> = (0..knots).map(f32::from).collect();
+    let angles: Vec<f32> = (0..groups * knots).map(|k| f32::from(k) * 1e-3).collect();
+    let rates: Vec<f32> = angles.iter().map(|angle| -angle).collect();
+    let weights: Vec<[f32; 2]> = angles.iter().map(|angle| [1.0 + angle, *angle]).collect();
+    let member = |hinge| Membership {
+        group: GroupId(u32::from(hinge % groups)),
+        negative: hinge % 3 == 0,
+    };
+    let members: Vec<Membership> = (0..301).map(member).collect();
+    let limits: Vec<GroupLimits> = (1..=groups)
+        .map(|group| GroupLimits {
+            lower: -1.0,
+            upper: f32::from(group),
+            speed: 1.0,
+            acceleration: f32::INFINITY,
+        })
+        .collect();
+    let vertex = miura::<f32>(60.0, false, false).spokes;
+    let spokes: Vec<_> = [&vertex[..], &vertex[..], &vertex[..], &vertex[..]].concat();
+    let stars = StarsView::new(&spokes, &[4, 8, 12, 16], groups.into()).unwrap();
+    let mut identities = Vec::new();
+    for (kind, weights) in [
+        (Interpolation::Hermite, &[][..]),
+        (Interpolation::Homogeneous, &weights[..]),
+    ] {
+        let view = TrajectoryView::new(kind, groups.into(), &times, &angles, &rates, weights);
+        let view = view.unwrap();
+        let mut bytes = Vec::new();
+        let sink = |piece: &[u8]| bytes.extend(piece);
+        trajectory_file::write(view, &limits, &members, stars, 1e-6, sink).unwrap();
+        let file = FileItems::new(TrajectoryFile::read(&bytes).unwrap()).unwrap();
+        for knot in 0..u32::from(knots) {
+            let place = FollowerPosition { knot, into: 0.25 };
+            let items = PathItems::new(view, &limits, &members, stars, 1e-6, place).unwrap();
+            let file = file.at(place).unwrap();
+            assert_eq!(file.identity(), items.identity());
+            for index in 0..=items.len() as u64 {
+                let (mut a, mut b) = ([0; 256], [0; 256]);
+                let item = items.item(index, &mut a);
+                assert_eq!(file.item(index, &mut b), item, "{kind:?} {knot} {index}");
+                assert_eq!(item.is_some(), index < items.len() as u64);
+            }
+        }
+        identities.push(file.identity());
+        let beyond = FollowerPosition {
+            knot: knots.into(),
+            into: 0.0,
+        };
+        assert!(file.at(beyond).is_none());
+    }
+    assert_ne!(identities[0], identities[1]);
 }
 
 fn width(count: usize) -> NonZero<usize> {

@@ -10,6 +10,7 @@ use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 
 use crate::controller::{Condition, Controller, Settings};
+use crate::player::Player;
 use crate::retained::{self, Bytes, HEAD, Record};
 
 /// Microseconds between two ticks.
@@ -150,6 +151,16 @@ where
         self.receive(now);
         self.device.poll(now);
         self.send();
+    }
+
+    /// Plays a path from flash if a button asks for it; to be called after each [`step`](Self::step) by a board that has
+    /// such a [`Player`].
+    pub fn play(&mut self, player: &mut Player<'_>) {
+        // Before the first step it is not restored where the sheet stands.
+        if self.due > 0 {
+            let now = self.board.now();
+            self.device.play(player, now);
+        }
     }
 
     /// Returns `true` if [`step`](Self::step) has work left, so that the board should call it again without waiting for an

@@ -82,6 +82,8 @@ impl Settings {
 
 /// State of a controller for whatever powers its drives: to hold them, or to let them rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Condition {
     /// State of the follower.
     pub state: State,
@@ -108,9 +110,9 @@ pub struct Controller<
     const KNOTS: usize,
     P: Protection = Unkeyed,
 > {
-    settings: Settings,
-    loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
-    receiver: Receiver<P>,
+    pub(crate) settings: Settings,
+    pub(crate) loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
+    pub(crate) receiver: Receiver<P>,
     deframer: Deframer<FRAME>,
     ring: Ring<WAITING>,
     /// `true` if the stop line was drawn since a command was last answered.
@@ -351,15 +353,19 @@ impl<
 
     /// Moves the follower on to `now`, microseconds.
     pub fn tick(&mut self, now: u64) {
-        let Loader { follower, jog, .. } = &mut self.loader;
-        let before = follower.now();
-        follower.tick(now);
-        if jog.hinge().is_some() {
-            let failed = follower.state() != State::Idle;
-            let holds = failed || follower.is_stopped() || follower.is_silent();
-            let passed = u32::try_from(now.saturating_sub(before)).unwrap_or(u32::MAX);
-            jog.tick(passed, holds, &self.settings.follower);
+        self.loader.follower.tick(now);
+        if self.loader.jog.hinge().is_some() {
+            self.tick_alone();
         }
+    }
+
+    /// Moves the hinge that is moved alone. Not inlined, so that other ticks do not pay for it.
+    #[inline(never)]
+    fn tick_alone(&mut self) {
+        let Loader { follower, jog, .. } = &mut self.loader;
+        let failed = follower.state() != State::Idle;
+        let holds = failed || follower.is_stopped() || follower.is_silent();
+        jog.tick(follower.now(), holds, &self.settings.follower);
     }
 
     /// Calls `drive` for each hinge with its number, its group and sign, and its target, or `None` while it is not known
@@ -371,6 +377,22 @@ impl<
         &mut self,
         mut drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
     ) {
+        if self.asks || self.loader.jog.hinge().is_some() {
+            return self.drive_and_note(&mut drive);
+        }
+        let Loader {
+            sheet, follower, ..
+        } = &mut self.loader;
+        drive_some(follower, 0, sheet.hinges(), &mut drive);
+    }
+
+    /// Drives all hinges, and notes what is measured of those that telemetry tells, or of the one that is watched or moved
+    /// alone. Not inlined, so that other ticks do not pay for it.
+    #[inline(never)]
+    fn drive_and_note(
+        &mut self,
+        drive: &mut impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
+    ) {
         let Loader {
             sheet,
             follower,
@@ -378,12 +400,11 @@ impl<
             ..
         } = &mut self.loader;
         let window = &mut self.window;
-        if !(self.asks || jog.hinge().is_some()) {
-            return drive_some(follower, 0, sheet.hinges(), &mut drive);
-        }
         window.begin(jog.hinge());
         let told = window.hinges();
-        drive_some(follower, 0, sheet.some_hinges(0..told.start), &mut drive);
+        if told.start > 0 {
+            drive_some(follower, 0, sheet.some_hinges(0..told.start), drive);
+        }
         let (alone, mut hinge) = (jog.target(), told.start);
         let mut places = window.angles.iter_mut();
         let mut newest = None;
@@ -401,7 +422,9 @@ impl<
         follower.drive_from(number(told.start), some, noting);
         let rest = sheet.some_hinges(told.end..usize::MAX);
         window.end(newest.is_some(), hinge - told.start, rest.len());
-        drive_some(follower, number(told.end), rest, &mut drive);
+        if rest.len() > 0 {
+            drive_some(follower, number(told.end), rest, drive);
+        }
         if jog.hinge().is_some() {
             if hinge == told.start {
                 newest = drive(number(hinge), ALONE, alone);
@@ -532,7 +555,7 @@ fn number(hinge: usize) -> u32 {
 }
 
 /// Tells whether an item was taken, if that is known.
-fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bool, ItemRefusal>) {
+pub(crate) fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bool, ItemRefusal>) {
     match taken {
         Ok(true) => receiver.took(),
         Ok(false) => {}

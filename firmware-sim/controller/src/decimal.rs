@@ -67,7 +67,8 @@ const fn quotient(value: u64, by: u64) -> f32 {
     if value == 0 {
         return 0.0;
     }
-    // With the highest bit set, the quotient has at least 64 bits. What lies behind its lowest bit only tells a tie.
+    // With the highest bit set, the quotient has at least 64 bits. The bits below its lowest one only decide whether it is
+    // a tie.
     let value = value as u128;
     let shift = value.leading_zeros();
     let (whole, rest) = ((value << shift) / by as u128, (value << shift) % by as u128);

@@ -41,6 +41,7 @@ pub struct Servo<C> {
 
 /// Reason why a servo keeps its pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ServoError<E> {
     /// The angle is no number, or its pulse is not between 0 and the period.

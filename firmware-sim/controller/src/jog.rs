@@ -13,7 +13,9 @@ const NEVER: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Jog {
     hinge: Option<u16>,
-    /// What it is commanded; `None` while it is only watched.
+    /// Time of the last tick, microseconds.
+    now: u64,
+    /// Its command; `None` while it is only watched.
     target: Option<Target<f32>>,
     /// Angle where the motion ends, radians, and its speed, radians per second.
     to: f32,
@@ -24,7 +26,7 @@ pub(crate) struct Jog {
 }
 
 impl Jog {
-    /// Watches this hinge, and moves it to an angle if there is one. `from` is where an operator says that it stands.
+    /// Watches this hinge from the tick at `now` on, microseconds, and moves it to an angle if there is one. `from` is where an operator says that it stands.
     /// Nothing has changed if this is denied.
     ///
     /// # Errors
@@ -35,6 +37,7 @@ impl Jog {
     pub(crate) fn ask(
         &mut self,
         (hinge, from, to): (u16, Option<f32>, Option<f32>),
+        now: u64,
         limits: &GroupLimits,
         options: &Options<f32>,
     ) -> Result<(), Denial> {
@@ -62,7 +65,7 @@ impl Jog {
         if !same {
             self.age = NEVER;
         }
-        (self.hinge, self.target) = (Some(hinge), target);
+        (self.hinge, self.target, self.now) = (Some(hinge), target, now);
         Ok(())
     }
 
@@ -74,10 +77,12 @@ impl Jog {
         }
     }
 
-    /// Moves the hinge on by `passed` microseconds, or ends its motion if something `holds` it. The motion also ends if the
+    /// Moves the hinge on to `now`, microseconds, or ends its motion if something `holds` it. The motion also ends if the
     /// hinge was measured at no number, or farther than `most_lag` from its command, and would move away still farther.
     #[inline(never)]
-    pub(crate) fn tick(&mut self, passed: u32, holds: bool, options: &Options<f32>) {
+    pub(crate) fn tick(&mut self, now: u64, holds: bool, options: &Options<f32>) {
+        let passed = u32::try_from(now.saturating_sub(self.now)).unwrap_or(u32::MAX);
+        self.now = now;
         self.age = self.age.saturating_add(passed);
         let measured = self.measured(options.fresh);
         let Some(target) = &mut self.target else {

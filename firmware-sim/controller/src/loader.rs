@@ -104,8 +104,9 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             return Err(Denial::Range);
         }
         let limits = (settings.limits)(hinge.into());
+        let now = follower.now();
         self.jog
-            .ask((hinge, from, to), &limits, &settings.follower)?;
+            .ask((hinge, from, to), now, &limits, &settings.follower)?;
         if to.is_some() {
             follower.forget()?;
             self.path = 0;

@@ -42,17 +42,21 @@ pub struct HingeMap<const N: usize> {
     channels: [Channel; N],
 }
 
-/// What is wrong with a map, and in which line, counted from 1. What is missing is missing in the line behind the last.
+/// A mistake in a map, and its line, counted from 1. A hinge that has no line is reported with the number of the last line
+/// plus 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct MapError {
     /// Number of the line.
     pub line: u32,
-    /// What is wrong.
+    /// The mistake in it.
     pub flaw: Flaw,
 }
 
-/// What is wrong with a line of a map.
+/// A mistake in a line of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Flaw {
     /// The first line that is not ignored is not [`HEADER`].

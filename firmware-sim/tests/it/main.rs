@@ -8,6 +8,7 @@ mod lives;
 mod loading;
 mod machine;
 mod path;
+mod player;
 mod power_on;
 mod refusals;
 mod resets;

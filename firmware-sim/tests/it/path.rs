@@ -5,6 +5,7 @@ use core::f64::consts::{PI, SQRT_2};
 use foldpath_controller::{Controller, Settings};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory_file;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
@@ -122,6 +123,33 @@ impl Path {
             place,
         )
         .unwrap()
+    }
+
+    /// Returns the path of the way back.
+    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no way back"))]
+    pub(crate) fn reversed(&self) -> Self {
+        let reverse = |values: &[f32], sign: f32| {
+            let knots = values.chunks(2).rev().flatten();
+            knots.map(|value| sign * value).collect()
+        };
+        Self {
+            times: self.times.clone(),
+            angles: reverse(&self.angles, 1.0),
+            rates: reverse(&self.rates, -1.0),
+            stars: vertex(),
+            exact: vertex(),
+            hinges: self.hinges.clone(),
+        }
+    }
+
+    /// Returns the bytes of the path's trajectory file.
+    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no file"))]
+    pub(crate) fn file(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let (limits, stars) = (&[LIMITS; 2], self.stars.view());
+        let sink = |piece: &[u8]| bytes.extend(piece);
+        trajectory_file::write(self.view(), limits, &self.hinges, stars, CLOSURE, sink).unwrap();
+        bytes
     }
 
     /// Returns the closure residual of the real vertex at these angles, by the report's matrices in `f64`.
