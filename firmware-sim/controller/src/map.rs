@@ -36,6 +36,42 @@ pub struct Channel {
     pub upper: f32,
 }
 
+/// A line of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Number of the hinge, in the pattern's order.
+    pub hinge: u16,
+    /// Its channel.
+    pub channel: Channel,
+}
+
+impl Entry {
+    /// Reads a line without its comment.
+    ///
+    /// # Errors
+    /// The first flaw. Every number of 16 bits is that of a hinge here.
+    pub const fn parse(line: &str) -> Result<Self, Flaw> {
+        let text = line.as_bytes();
+        entry(text, trimmed(text, 0, text.len()), 1 << 16)
+    }
+}
+
+/// Writes the line, with the shortest decimals that mean the same numbers.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { hinge, channel } = self;
+        let Channel {
+            channel,
+            zero,
+            negative,
+            lower,
+            upper,
+        } = channel;
+        let sign = if *negative { '-' } else { '+' };
+        write!(f, "{hinge},{channel},{zero},{sign},{lower},{upper}")
+    }
+}
+
 /// The channels of hinges 0 to `N - 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HingeMap<const N: usize> {
@@ -87,20 +123,26 @@ pub enum Flaw {
 
 impl fmt::Display for MapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: ", self.line)?;
-        match self.flaw {
-            Flaw::Header => write!(f, "expected the header {HEADER}"),
-            Flaw::Values => write!(f, "expected six values with commas between them: {HEADER}"),
-            Flaw::Hinge => write!(f, "hinge: expected the number of a hinge of the sheet"),
-            Flaw::Channel => write!(f, "channel: expected a whole number from 0 to 65535"),
-            Flaw::Zero => write!(f, "zero: expected a decimal number of radians"),
-            Flaw::Sign => write!(f, "sign: expected + or -"),
-            Flaw::Lower => write!(f, "lower: expected a decimal number of radians"),
-            Flaw::Upper => write!(f, "upper: expected a decimal number of radians"),
-            Flaw::Order => write!(f, "expected lower at or below upper"),
-            Flaw::HingeTwice(hinge) => write!(f, "hinge {hinge} has a line before"),
-            Flaw::ChannelTwice(channel) => write!(f, "channel {channel} has a line before"),
-            Flaw::Missing(hinge) => write!(f, "expected a line for hinge {hinge}"),
+        write!(f, "line {}: expected {}", self.line, self.flaw)
+    }
+}
+
+/// Tells what was expected.
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Header => write!(f, "the header {HEADER}"),
+            Self::Values => f.write_str("six values with commas between them"),
+            Self::Hinge => f.write_str("the number of a hinge of the sheet"),
+            Self::Channel => f.write_str("a channel from 0 to 65535"),
+            Self::Zero => f.write_str("zero as a decimal number of radians"),
+            Self::Sign => f.write_str("a sign, + or -"),
+            Self::Lower => f.write_str("lower as a decimal number of radians"),
+            Self::Upper => f.write_str("upper as a decimal number of radians"),
+            Self::Order => f.write_str("lower at or below upper"),
+            Self::HingeTwice(hinge) => write!(f, "hinge {hinge} once"),
+            Self::ChannelTwice(channel) => write!(f, "channel {channel} once"),
+            Self::Missing(hinge) => write!(f, "a line for hinge {hinge}"),
         }
     }
 }
@@ -166,8 +208,8 @@ impl<const N: usize> HingeMap<N> {
                     }
                     headed = true;
                 } else {
-                    let (hinge, channel) = match row(text, content, N) {
-                        Ok(row) => row,
+                    let Entry { hinge, channel } = match entry(text, content, N) {
+                        Ok(entry) => entry,
                         Err(flaw) => return flawed(line, flaw),
                     };
                     if known[hinge as usize] {
@@ -257,20 +299,12 @@ impl Channel {
     }
 }
 
-/// Writes the text that [`HingeMap::parse`] reads, with the shortest decimals that mean the same numbers.
+/// Writes the text that [`HingeMap::parse`] reads.
 impl<const N: usize> fmt::Display for HingeMap<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{HEADER}")?;
-        for (hinge, channel) in self.channels.iter().enumerate() {
-            let Channel {
-                channel,
-                zero,
-                negative,
-                lower,
-                upper,
-            } = channel;
-            let sign = if *negative { '-' } else { '+' };
-            writeln!(f, "{hinge},{channel},{zero},{sign},{lower},{upper}")?;
+        for (hinge, channel) in (0..=u16::MAX).zip(self.channels) {
+            writeln!(f, "{}", Entry { hinge, channel })?;
         }
         Ok(())
     }
@@ -316,7 +350,7 @@ const fn is(text: &[u8], (from, end): Part, expected: &[u8]) -> bool {
 }
 
 /// Reads a line: the number of a hinge below `hinges`, and its channel.
-const fn row(text: &[u8], (from, end): Part, hinges: usize) -> Result<(u16, Channel), Flaw> {
+const fn entry(text: &[u8], (from, end): Part, hinges: usize) -> Result<Entry, Flaw> {
     let (hinge, from) = match value(text, from, end) {
         Some(value) => value,
         None => return Err(Flaw::Values),
@@ -379,7 +413,7 @@ const fn row(text: &[u8], (from, end): Part, hinges: usize) -> Result<(u16, Chan
         lower,
         upper,
     };
-    Ok((hinge, channel))
+    Ok(Entry { hinge, channel })
 }
 
 /// Returns the value that begins at `from` and the place behind its comma; `None` without a comma.

@@ -5,7 +5,7 @@ use core::fmt;
 use std::path::Path;
 
 pub use foldpath_controller::map::Channel;
-use foldpath_controller::map::HEADER;
+use foldpath_controller::map::{Entry, Flaw, HEADER};
 
 use crate::read::FileError;
 
@@ -18,8 +18,8 @@ pub struct Channels {
 #[derive(Clone, Debug, PartialEq)]
 struct Line {
     text: String,
-    /// The hinge of the line and its channel; `None` for the header, a comment or an empty line.
-    row: Option<(u16, Channel)>,
+    /// `None` for the header, a comment or an empty line.
+    entry: Option<Entry>,
 }
 
 impl Channels {
@@ -32,38 +32,40 @@ impl Channels {
         let mut headed = false;
         for (number, text) in (1..).zip(text.lines()) {
             let content = text.split('#').next().unwrap_or_default().trim();
-            let wrong = |expected: &str| FileError::Expected {
+            let wrong = |flaw: Flaw| FileError::Expected {
                 path: file.to_path_buf(),
                 place: format!("line {number}"),
-                expected: expected.into(),
+                expected: flaw.to_string(),
                 found: content.into(),
             };
-            let row = if content.is_empty() {
+            let entry = if content.is_empty() {
                 None
             } else if headed {
-                let (hinge, channel) = row(content).map_err(wrong)?;
+                let entry = Entry::parse(content).map_err(wrong)?;
+                let (hinge, channel) = (entry.hinge, entry.channel.channel);
                 if this.get(hinge).is_some() {
-                    return Err(wrong("each hinge once"));
+                    return Err(wrong(Flaw::HingeTwice(hinge)));
                 }
-                if this.owner(channel.channel).is_some() {
-                    return Err(wrong("each channel once"));
+                if this.owner(channel).is_some() {
+                    return Err(wrong(Flaw::ChannelTwice(channel)));
                 }
-                Some((hinge, channel))
+                Some(entry)
             } else if content == HEADER {
                 headed = true;
                 None
             } else {
-                return Err(wrong(&format!("the header {HEADER}")));
+                return Err(wrong(Flaw::Header));
             };
             let text = text.to_string();
-            this.lines.push(Line { text, row });
+            this.lines.push(Line { text, entry });
         }
         Ok(this)
     }
 
     /// Iterates over the hinges and their channels, in the order of the lines.
     pub fn iter(&self) -> impl Iterator<Item = (u16, Channel)> {
-        self.lines.iter().filter_map(|line| line.row)
+        let entries = self.lines.iter().filter_map(|line| line.entry);
+        entries.map(|Entry { hinge, channel }| (hinge, channel))
     }
 
     /// Returns the channel of a hinge, if the map has it.
@@ -84,26 +86,19 @@ impl Channels {
         if self.get(hinge) == Some(channel) {
             return;
         }
-        let Channel {
-            channel: number,
-            zero,
-            negative,
-            lower,
-            upper,
-        } = channel;
-        let sign = if negative { '-' } else { '+' };
+        let entry = Entry { hinge, channel };
         let line = Line {
-            text: format!("{hinge},{number},{zero},{sign},{lower},{upper}"),
-            row: Some((hinge, channel)),
+            text: entry.to_string(),
+            entry: Some(entry),
         };
-        let mine = |line: &&mut Line| line.row.is_some_and(|row| row.0 == hinge);
+        let mine = |line: &&mut Line| line.entry.is_some_and(|entry| entry.hinge == hinge);
         if let Some(old) = self.lines.iter_mut().find(mine) {
             *old = line;
             return;
         }
         if self.lines.iter().all(|line| line.text.trim() != HEADER) {
             let text = HEADER.to_string();
-            self.lines.push(Line { text, row: None });
+            self.lines.push(Line { text, entry: None });
         }
         self.lines.push(line);
     }
@@ -123,34 +118,6 @@ impl fmt::Display for Channels {
             .iter()
             .try_for_each(|line| writeln!(f, "{}", line.text))
     }
-}
-
-/// Reads a line, or returns what was expected.
-fn row(line: &str) -> Result<(u16, Channel), &'static str> {
-    let values: Vec<&str> = line.split(',').map(str::trim).collect();
-    let [hinge, channel, zero, sign, lower, upper] = values[..] else {
-        return Err("six values with commas between them");
-    };
-    let number = |text: &str| {
-        let number = text.parse().ok();
-        number.filter(|number: &f32| number.is_finite())
-    };
-    let channel = Channel {
-        channel: channel.parse().map_err(|_| "a channel from 0 to 65535")?,
-        zero: number(zero).ok_or("zero as a number of radians")?,
-        negative: match sign {
-            "+" | "1" | "+1" => false,
-            "-" | "-1" => true,
-            _ => return Err("a sign, + or -"),
-        },
-        lower: number(lower).ok_or("lower as a number of radians")?,
-        upper: number(upper).ok_or("upper as a number of radians")?,
-    };
-    if channel.lower > channel.upper {
-        return Err("lower at or below upper");
-    }
-    let hinge = hinge.parse().map_err(|_| "a hinge from 0 to 65535")?;
-    Ok((hinge, channel))
 }
 
 #[cfg(test)]
@@ -220,21 +187,21 @@ mod tests {
                 "0,1,0,+,0",
                 "line 2: expected six values with commas between them, found 0,1,0,+,0",
             ),
-            ("-1,1,0,+,0,1", "line 2: expected a hinge from 0 to 65535"),
+            (
+                "-1,1,0,+,0,1",
+                "line 2: expected the number of a hinge of the sheet",
+            ),
             ("0,x,0,+,0,1", "line 2: expected a channel from 0 to 65535"),
             (
                 "0,1,inf,+,0,1",
-                "line 2: expected zero as a number of radians",
+                "line 2: expected zero as a decimal number of radians",
             ),
             ("0,1,0,v,0,1", "line 2: expected a sign, + or -"),
             ("0,1,0,+,1,0", "line 2: expected lower at or below upper"),
-            (
-                "0,1,0,+,0,1\n0,2,0,+,0,1",
-                "line 3: expected each hinge once",
-            ),
+            ("0,1,0,+,0,1\n0,2,0,+,0,1", "line 3: expected hinge 0 once"),
             (
                 "0,1,0,+,0,1\n1,1,0,+,0,1",
-                "line 3: expected each channel once",
+                "line 3: expected channel 1 once",
             ),
         ] {
             let found = line(row);

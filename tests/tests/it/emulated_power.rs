@@ -1,6 +1,6 @@
 //! Is nothing forgotten by resets of the emulated board, and does nothing move after its power was cut, with 2, 11 and 94
 //! groups? Each power cut is another process of the emulator, with random bytes in the memory that a reset leaves as it is.
-//! `tests/run` takes 7 moments of each kind, and `tests/run full` 60.
+//! `tests/run` takes 4 moments of each kind with 2 and 11 groups, and `tests/run full` 20 with each number of groups.
 
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
@@ -212,13 +212,15 @@ fn moments(counts: [u64; 3]) {
             power_is_cut(groups, seed);
             the_board_is_reset(groups, seed);
         }
-        a_stop_in_a_fault(groups, 100 * size);
+        if count > 0 {
+            a_stop_in_a_fault(groups, 100 * size);
+        }
     }
 }
 
 #[test]
 fn resets_forget_nothing_and_nothing_moves_after_a_power_cut() {
-    moments([3, 3, 1]);
+    moments([2, 2, 0]);
 }
 
 #[test]
