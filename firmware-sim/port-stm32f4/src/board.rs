@@ -6,6 +6,7 @@
 //! | stop line, drawn while high: a contact to ground that opens, or a wire that breaks | PC1 |
 //! | servos, 1 to 2 ms every 20 ms | TIM3 on PA6, PA7, PB0 and PB1 |
 //! | positions, from the servos' potentiometers | ADC1 on PA0, PA1, PA4 and PC0 |
+//! | button that plays the path in flash: pressed, or kept down for two seconds to say that the sheet is flat | PC13, the user button of the board |
 //! | clock | TIM5, in microseconds |
 //! | watchdog, half a second | IWDG |
 #![allow(
@@ -22,13 +23,15 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
-use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_controller::{Application, Board, Condition, Fifo, Player, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
-use foldpath_port_stm32f4::{GROUPS, HINGES, KNOTS, LIMITS, SPOKES, angle, pulse};
+use foldpath_port_stm32f4::{
+    Button, GROUPS, HINGES, KNOTS, LIMITS, PATH, Press, SPOKES, angle, pulse,
+};
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
-use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC1};
+use stm32f4xx_hal::gpio::{Analog, Input, PA0, PA1, PA4, PC0, PC1, PC13};
 use stm32f4xx_hal::pac::{self, ADC1, TIM3, TIM5, USART2, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -45,6 +48,9 @@ const PERIOD: u32 = u32::MAX;
 static INCOMING: Fifo<256> = Fifo::new();
 /// The receiver, which only its interrupt uses.
 static RECEIVER: Mutex<RefCell<Option<Rx<USART2>>>> = Mutex::new(RefCell::new(None));
+
+/// What the button asks of the main loop: nothing (0), a short press (1) or a long one (2).
+static ASKED: AtomicU8 = AtomicU8::new(0);
 
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
@@ -111,6 +117,7 @@ struct Nucleo {
     count: u32,
     micros: u64,
     stop: PC1<Input>,
+    button: (PC13<Input>, Button),
     servos: (
         PwmChannel<TIM3, 0>,
         PwmChannel<TIM3, 1>,
@@ -135,8 +142,16 @@ impl Board for Nucleo {
     }
 
     /// A servo without pulses is limp, and one with pulses holds. Pulses begin with the first command and stay from then
-    /// on, in a fault as well. After a reset there are none until a host has sent the sheet again.
-    fn power(&mut self, _: &Condition) {}
+    /// on, in a fault as well. After a reset there are none until a host has sent the sheet again. Looks at the button, as
+    /// this is called each millisecond.
+    fn power(&mut self, _: &Condition) {
+        let (pin, button) = &mut self.button;
+        match button.look(pin.is_low()) {
+            Some(Press::Short) => ASKED.store(1, Ordering::Relaxed),
+            Some(Press::Long) => ASKED.store(2, Ordering::Relaxed),
+            None => {}
+        }
+    }
 
     fn drive(
         &mut self,
@@ -247,6 +262,7 @@ fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
         count: 0,
         micros: 0,
         stop: c.pc1.into_pull_up_input(),
+        button: (c.pc13.into_pull_up_input(), Button::default()),
         servos,
         converter: Adc::new(device.ADC1, true, AdcConfig::default(), &mut rcc),
         potentiometers: (
@@ -268,8 +284,18 @@ fn main() -> ! {
         let controller = CONTROLLER.insert(Application::new(nucleo, line, settings));
         // SAFETY: nothing relies on this interrupt being masked.
         unsafe { NVIC::unmask(pac::Interrupt::USART2) };
+        // A test reads the path on the host.
+        let mut player = Player::new(PATH, None).ok();
         loop {
             controller.step();
+            if let Some(player) = &mut player {
+                match ASKED.swap(0, Ordering::Relaxed) {
+                    1 => player.press(),
+                    2 => player.press_flat(),
+                    _ => {}
+                }
+                controller.play(player);
+            }
         }
     }
     SCB::sys_reset()

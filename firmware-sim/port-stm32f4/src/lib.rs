@@ -60,3 +60,42 @@ pub fn angle(reading: u16) -> f32 {
         f32::NAN
     }
 }
+
+/// The path in flash, which the button plays.
+pub const PATH: &[u8] = include_bytes!("../example/vertex.traj");
+
+/// What an operator has done with the button.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Press {
+    /// Pressed it: to start, hold or resume the path.
+    Short,
+    /// Kept it down for two seconds: to say that the sheet stands where the path begins, and to start.
+    Long,
+}
+
+/// A button that is looked at each millisecond.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Button {
+    /// Milliseconds for which it is down.
+    down: u32,
+}
+
+impl Button {
+    /// Milliseconds for which contacts bounce at most (`BOUNCE`), and after which a press is a long one (`LONG`).
+    const BOUNCE: u32 = 20;
+    const LONG: u32 = 2000;
+
+    /// Takes its level for one more millisecond. A short press is told when the button comes up, a long one while it is
+    /// down.
+    pub fn look(&mut self, is_down: bool) -> Option<Press> {
+        let before = self.down;
+        self.down = if is_down { before.saturating_add(1) } else { 0 };
+        if self.down == Self::LONG {
+            Some(Press::Long)
+        } else if !is_down && (Self::BOUNCE..Self::LONG).contains(&before) {
+            Some(Press::Short)
+        } else {
+            None
+        }
+    }
+}

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
-use foldpath_controller::{Application, Board, Condition, Settings};
+use foldpath_controller::{Application, Board, Condition, Player, Settings};
 use foldpath_core::follower::{FollowerPosition, Measurement, Reason, State, Target};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -17,9 +17,9 @@ use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::sender::Options;
 use foldpath_core::{GroupLimits, Membership, Spoke, StarsView};
-use foldpath_port_stm32f4::{GROUPS, HINGES, KNOTS, LIMITS, SPOKES, angle, pulse};
-
-const EXAMPLE: &[u8] = include_bytes!("../example/vertex.traj");
+use foldpath_port_stm32f4::{
+    Button, GROUPS, HINGES, KNOTS, LIMITS, PATH, Press, SPOKES, angle, pulse,
+};
 
 /// Microseconds of a round of the main loop.
 const ROUND: u64 = 250;
@@ -166,7 +166,7 @@ struct Path {
 
 impl Path {
     fn example() -> Self {
-        let file = TrajectoryFile::read(EXAMPLE).unwrap();
+        let file = TrajectoryFile::read(PATH).unwrap();
         let places = (0..file.len()).flat_map(|knot| (0..file.groups()).map(move |g| (knot, g)));
         let nodes: Vec<_> = places
             .map(|(knot, g)| file.node(knot, g).unwrap())
@@ -369,4 +369,44 @@ fn pulses_and_readings_have_their_bounds() {
             .iter()
             .all(|angle| angle.is_nan())
     );
+}
+
+#[test]
+fn the_button_plays_the_example_from_flash() {
+    let path = Path::example();
+    let mut machine = Machine::new();
+    let mut player = Player::new(PATH, None).unwrap();
+    let mut button = Button::default();
+    // One second without a press, and then a press of a tenth of a second whose contacts bounce.
+    for millis in 0..8000 {
+        let bounces = millis == 990 || millis == 994;
+        let down = bounces || (1000..1100).contains(&millis);
+        match button.look(down) {
+            Some(Press::Short) => player.press(),
+            Some(Press::Long) => player.press_flat(),
+            None => {}
+        }
+        machine.run(None, 1);
+        machine.controller.play(&mut player);
+        if millis < 1100 {
+            assert_eq!(machine.condition().state, State::Idle);
+        }
+    }
+    assert_eq!(machine.condition().state, State::Done);
+    assert!(off(&path, &machine) <= 0.5 * LIMITS.upper / 500.0 + 1e-6);
+}
+
+#[test]
+fn presses_are_told_once() {
+    let mut button = Button::default();
+    let mut presses = |down: bool, millis: u32| -> Vec<Press> {
+        (0..millis).filter_map(|_| button.look(down)).collect()
+    };
+    assert_eq!(presses(true, 19), []);
+    assert_eq!(presses(false, 5), []);
+    assert_eq!(presses(true, 20), []);
+    assert_eq!(presses(false, 5), [Press::Short]);
+    assert_eq!(presses(true, 1999), []);
+    assert_eq!(presses(true, 5000), [Press::Long]);
+    assert_eq!(presses(false, 50), []);
 }
