@@ -49,6 +49,8 @@ fn session(
             Stands::Known
         },
         id,
+        // A machine that is busy may let its host fall silent for a while.
+        unattended: true,
         ..Options::default()
     };
     let (summary, heard) = session::session(link, &path, options, wish);
@@ -129,6 +131,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
             stands: Stands::AtStart,
             id,
             key,
+            unattended: true,
             ..Options::default()
         };
         let (summary, _) = session::session(&mut board, &path, options, &|_| Wish::Run);
