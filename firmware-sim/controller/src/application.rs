@@ -153,6 +153,12 @@ where
         self.send();
     }
 
+    /// Bounds the path time from outside, seconds, so that several controllers stay together: see
+    /// [`Follower::lease`](foldpath_core::follower::Follower::lease).
+    pub fn lease(&mut self, seconds: Option<f32>) {
+        self.device.follower_mut().lease(seconds);
+    }
+
     /// Plays a path from flash if a button asks for it; to be called after each [`step`](Self::step) by a board that has
     /// such a [`Player`].
     pub fn play(&mut self, player: &mut Player<'_>) {

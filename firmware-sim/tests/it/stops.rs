@@ -1,6 +1,7 @@
 //! How fast and how far does a motion go on after each kind of stop? This command prints the table of the README:
 //! `cargo nextest run --release -p foldpath-firmware-sim what_stops --no-capture`.
 
+use foldpath_core::follower::Reason;
 use foldpath_core::wire::driver::{Driver, Persistence};
 
 use crate::machine::{Machine, Path, Sensor};
@@ -18,8 +19,9 @@ fn stops<'a>(
     while machine.command().is_none_or(|angle| angle < 0.7) {
         machine.run(Some(&mut host), 1);
     }
-    let begun = machine.command().unwrap();
+    let before = machine.command();
     let mut host = happens(&mut machine, host);
+    let begun = machine.command().or(before).unwrap();
     let (mut stood, mut last) = (begun, 0);
     for milli in 1..=3000 {
         machine.run(host.as_mut(), 1);
@@ -72,6 +74,43 @@ fn what_stops_a_motion_how_fast_and_how_far() {
     assert!(
         (249..=256).contains(&other.0) && (123.0..=131.0).contains(&other.1),
         "{other:?}"
+    );
+    let mut wrong = Path::new(2);
+    wrong.times = (0..41_u8).map(|knot| f32::from(knot) * 0.05).collect();
+    wrong.angles = wrong.times.iter().flat_map(|time| [*time; 2]).collect();
+    wrong.rates = vec![1.0; wrong.angles.len()];
+    *wrong.angles.last_mut().unwrap() = 9.0;
+    let refused = stops(
+        "a setpoint that is refused",
+        &wrong,
+        none,
+        |machine, mut host| {
+            while machine.condition().reason == Reason::None {
+                machine.run(Some(&mut host), 1);
+            }
+            assert!(matches!(machine.condition().reason, Reason::Refused(_)));
+            Some(host)
+        },
+    );
+    assert!(
+        (248..=253).contains(&refused.0) && (122.0..=128.0).contains(&refused.1),
+        "{refused:?}"
+    );
+    // At 1 rad/s the path time is the angle. The clock brakes so that it rests at the bound, 300 ms of the path away: 175 ms
+    // at full rate, and the 250 ms of braking.
+    let lease = stops(
+        "a lease that ends 300 ms of the path ahead",
+        &path,
+        none,
+        |machine, host| {
+            let time = machine.command().unwrap();
+            machine.controller.lease(Some(time + 0.3));
+            Some(host)
+        },
+    );
+    assert!(
+        (423..=430).contains(&lease.0) && (299.0..=300.1).contains(&lease.1),
+        "{lease:?}"
     );
     // A hinge slows the clock when it lags by 0.05 rad, and holds it from 0.15 rad on.
     let stuck = stops(
