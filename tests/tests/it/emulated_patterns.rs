@@ -131,14 +131,14 @@ fn fold(machine: &str, name: &str, bytes: &[u8], nonce: u64) -> Vec<Told> {
 /// Folds the patterns of these names that plan. Returns their number, and the largest number of groups.
 fn folds(names: &[String]) -> (usize, usize) {
     image(IMAGE);
-    let plan = |name| planned(name).map(|bytes| (name, bytes));
-    let paths: Vec<(&String, _)> = names.iter().filter_map(plan).collect();
+    let plan = |name: &String| Some((name.clone(), planned(name)?));
+    let paths: Vec<(String, _)> = names.iter().filter_map(plan).collect();
     let _turn = turn();
     let mut most = 0;
     for (nonce, (name, bytes)) in (1..).zip(&paths) {
         let told = fold("mps2-an386", name, bytes, nonce);
         most = most.max(told[0].angles.len());
-        if *name == "waterbomb-4x6" {
+        if name == "waterbomb-4x6" {
             // A Cortex-M7 commands the same bits.
             fold("mps2-an500", name, bytes, 100 + nonce);
         }
