@@ -32,7 +32,7 @@ pub(crate) struct Part {
     halvings: u32,
 }
 
-/// What is known of a condition once it was judged on a part of a segment.
+/// Verdict on a condition behind a part of a segment.
 pub(crate) enum Judged {
     /// It holds on the whole segment.
     Everywhere,

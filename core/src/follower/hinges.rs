@@ -3,7 +3,7 @@
 use crate::follower::{Follower, State};
 use crate::{Membership, Scalar};
 
-/// What a hinge is commanded.
+/// Command of a hinge at a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Target<T> {

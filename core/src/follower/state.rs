@@ -140,13 +140,13 @@ pub enum Denial {
     Empty,
     /// The position to begin at is not on the first segment.
     Place,
-    /// This group stands too far from the beginning of the path. Of a hinge that is moved alone: this hinge was measured too
-    /// far from where it is said to stand, or stands too far from its limits.
+    /// This group stands too far from the beginning of the path. If one hinge is to move alone, this is its number: it was
+    /// measured too far from where it is said to stand, or stands too far from its limits.
     Jump(u16),
     /// The stop line is drawn, or something held the motion and nobody has asked to resume since.
     Held,
-    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it. Of a hinge that is moved
-    /// alone: it is not known where this hinge stands.
+    /// It is not known where this group stands: no hinge of it was measured, and nobody has told it. If one hinge is to move
+    /// alone, this is its number, and it is not known where it stands.
     Unknown(u16),
     /// The measured angles of this group's hinges differ too much to be one angle.
     Spread(u16),

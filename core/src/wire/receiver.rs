@@ -84,7 +84,7 @@ struct Due {
     unknown: Option<u32>,
 }
 
-/// What has come in the open session.
+/// Course of the open session so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Course {
     next: u16,

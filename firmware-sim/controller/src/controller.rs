@@ -6,7 +6,7 @@
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::follower::{
-    Denial, Fault, Follower, FollowerPosition, Measurement, Options, Reason, State, Target,
+    Denial, Fault, Follower, Measurement, Options, Reason, State, Target,
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
@@ -19,19 +19,19 @@ use foldpath_core::{GroupId, GroupLimits, Membership};
 use crate::loader::Loader;
 use crate::retained::Record;
 use crate::sheet::Sheet;
+use crate::snapshot::Snapshot;
 use crate::window::Window;
 
 /// Length of the longest frame, bytes.
 pub const FRAME: usize = 256;
 /// Largest number of bytes that wait for the line.
 pub const WAITING: usize = 512;
-/// Bytes of the ring that telemetry leaves free for answers: four reports.
+/// Bytes of the ring that telemetry leaves free for answers: four reports, or three of the longest ones with a key, which have
+/// 65 bytes.
 const RESERVE: usize = 4 * cobs::longest(64);
 /// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
 /// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
 const GREETINGS: u64 = 50_000;
-/// Largest number of groups in a message of telemetry.
-const TOLD: usize = 48;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
 pub const ALONE: Membership = Membership {
@@ -95,8 +95,9 @@ pub struct Condition {
     pub fault: Option<Fault>,
     /// `true` if it is known where the sheet stands.
     pub known: bool,
-    /// Number of hinges that [`Controller::drive`] commands now. 0 before the first sheet, after a reset until a host has
-    /// sent the sheet again, and while it is not known where the sheet stands.
+    /// Number of hinges that [`Controller::drive`] commands now. Before the first sheet, after a reset until a host has sent
+    /// the sheet again, and while it is not known where the sheet stands, this is 1 for a hinge that was moved alone, and
+    /// otherwise 0.
     pub commanded: usize,
 }
 
@@ -560,70 +561,5 @@ pub(crate) fn settle<P: Protection>(receiver: &mut Receiver<P>, taken: Result<bo
         Ok(true) => receiver.took(),
         Ok(false) => {}
         Err(refusal) => receiver.refuse(refusal),
-    }
-}
-
-/// Telemetry that is being sent, in pieces.
-#[derive(Clone, Copy, Debug)]
-struct Snapshot<const GROUPS: usize> {
-    time: u64,
-    state: State,
-    rate: f32,
-    place: FollowerPosition<f32>,
-    angles: [[u8; 4]; GROUPS],
-    groups: usize,
-    /// Number of groups that were sent; `None` if all were.
-    sent: Option<usize>,
-}
-
-impl<const GROUPS: usize> Snapshot<GROUPS> {
-    #[inline(always)]
-    fn none() -> Self {
-        Self {
-            time: 0,
-            state: State::Idle,
-            rate: 0.0,
-            place: FollowerPosition::default(),
-            angles: [[0; 4]; GROUPS],
-            groups: 0,
-            sent: None,
-        }
-    }
-
-    /// Takes the state of a follower.
-    fn take<const KNOTS: usize>(&mut self, follower: &Follower<f32, GROUPS, KNOTS>, now: u64) {
-        (self.time, self.state) = (now, follower.state());
-        (self.rate, self.place) = (follower.rate(), follower.position());
-        self.groups = 0;
-        for (bytes, angle) in self.angles.iter_mut().zip(follower.angles()) {
-            *bytes = angle.to_le_bytes();
-            self.groups += 1;
-        }
-        self.sent = Some(0);
-    }
-
-    /// Returns `true` if all pieces were sent.
-    fn is_sent(&self) -> bool {
-        self.sent.is_none()
-    }
-
-    /// Returns the next piece, if there is one.
-    fn message(&self) -> Option<ToHost<'_>> {
-        let sent = self.sent?;
-        let end = self.groups.min(sent + TOLD);
-        Some(ToHost::Telemetry {
-            time: self.time,
-            state: self.state,
-            rate: self.rate,
-            place: self.place,
-            first: u16::try_from(sent).ok()?,
-            angles: self.angles.get(sent..end)?.as_flattened(),
-        })
-    }
-
-    /// Notes that the piece is on its way.
-    fn sent(&mut self) {
-        let next = self.sent.map(|sent| sent + TOLD);
-        self.sent = next.filter(|next| *next < self.groups);
     }
 }

@@ -24,6 +24,7 @@ pub mod map;
 mod player;
 pub mod retained;
 pub mod sheet;
+mod snapshot;
 pub mod stored;
 mod window;
 

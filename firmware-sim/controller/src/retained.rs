@@ -3,6 +3,8 @@
 //! A record is a head of fixed length and an angle for each group. Two records are written in turn, so that a reset
 //! between any two bytes leaves one of them whole.
 
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
+
 use foldpath_core::checksum_on;
 use foldpath_core::follower::{Fault, FollowerPosition};
 
@@ -13,6 +15,45 @@ pub const HEAD: usize = 44;
 #[must_use]
 pub const fn size(groups: usize) -> usize {
     HEAD + 4 * groups
+}
+
+/// The two records of a board in RAM, of `SIZE` bytes each, for a section that is not written at start: all bytes are valid.
+#[derive(Debug)]
+pub struct Records<const SIZE: usize>([[AtomicU8; SIZE]; 2]);
+
+impl<const SIZE: usize> Default for Records<SIZE> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const SIZE: usize> Records<SIZE> {
+    /// Creates records of zeros.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self([const { [const { AtomicU8::new(0) }; SIZE] }; 2])
+    }
+
+    /// Writes bytes from byte `at` on into a record, as [`Board::keep`](crate::Board::keep) does.
+    #[inline(never)]
+    pub fn keep(&self, record: usize, at: usize, bytes: &[u8]) {
+        for (place, byte) in self.places(record, at).iter().zip(bytes) {
+            place.store(*byte, Relaxed);
+        }
+    }
+
+    /// Reads bytes from byte `at` on of a record, as [`Board::kept`](crate::Board::kept) does.
+    #[inline(never)]
+    pub fn kept(&self, record: usize, at: usize, bytes: &mut [u8]) {
+        for (place, byte) in self.places(record, at).iter().zip(bytes) {
+            *byte = place.load(Relaxed);
+        }
+    }
+
+    fn places(&self, record: usize, at: usize) -> &[AtomicU8] {
+        let record = self.0.get(record).and_then(|record| record.get(at..));
+        record.unwrap_or(&[])
+    }
 }
 
 /// State of a controller of at most `GROUPS` groups at a moment.

@@ -19,7 +19,6 @@
 
 use core::cell::RefCell;
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicU8, Ordering};
 
 use cortex_m::peripheral::SCB;
 use embassy_executor::Spawner;
@@ -43,7 +42,8 @@ use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Ticker, with_timeout};
 use embedded_io::{ErrorType, ReadReady, WriteReady};
 use embedded_io_async::{Read, Write};
-use foldpath_controller::{Application, Board, Condition, Fifo, Settings, retained};
+use foldpath_controller::retained::{self, Records};
+use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_port_embassy_stm32f4::packets::{self, Answer, POSITION};
@@ -65,8 +65,7 @@ embassy_stm32::bind_interrupts!(struct Interrupts {
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
-static RECORDS: [[AtomicU8; retained::size(GROUPS)]; 2] =
-    [const { [const { AtomicU8::new(0) }; retained::size(GROUPS)] }; 2];
+static RECORDS: Records<{ retained::size(GROUPS) }> = Records::new();
 
 /// A signal between tasks of the one executor.
 type Event = Signal<NoopRawMutex, ()>;
@@ -242,17 +241,11 @@ impl Board for Discovery<'_> {
     const RECORD: usize = retained::size(GROUPS);
 
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            place.store(*byte, Ordering::Relaxed);
-        }
+        RECORDS.keep(record, at, bytes);
     }
 
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            *byte = place.load(Ordering::Relaxed);
-        }
+        RECORDS.kept(record, at, bytes);
     }
 
     fn feed(&mut self) {

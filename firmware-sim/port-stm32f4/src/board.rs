@@ -22,7 +22,7 @@ use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
-use foldpath_controller::retained;
+use foldpath_controller::retained::{self, Records};
 use foldpath_controller::{Application, Board, Condition, Fifo, Player, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
@@ -49,14 +49,13 @@ static INCOMING: Fifo<256> = Fifo::new();
 /// The receiver, which only its interrupt uses.
 static RECEIVER: Mutex<RefCell<Option<Rx<USART2>>>> = Mutex::new(RefCell::new(None));
 
-/// What the button asks of the main loop: nothing (0), a short press (1) or a long one (2).
+/// Press that the main loop has not yet seen: none (0), a short one (1) or a long one (2).
 static ASKED: AtomicU8 = AtomicU8::new(0);
 
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
-static RECORDS: [[AtomicU8; Nucleo::RECORD]; 2] =
-    [const { [const { AtomicU8::new(0) }; Nucleo::RECORD] }; 2];
+static RECORDS: Records<{ Nucleo::RECORD }> = Records::new();
 
 #[interrupt]
 fn USART2() {
@@ -193,17 +192,11 @@ impl Board for Nucleo {
     const RECORD: usize = retained::size(GROUPS);
 
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            place.store(*byte, Ordering::Relaxed);
-        }
+        RECORDS.keep(record, at, bytes);
     }
 
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            *byte = place.load(Ordering::Relaxed);
-        }
+        RECORDS.kept(record, at, bytes);
     }
 
     fn feed(&mut self) {

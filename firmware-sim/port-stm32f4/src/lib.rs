@@ -64,7 +64,7 @@ pub fn angle(reading: u16) -> f32 {
 /// The path in flash, which the button plays.
 pub const PATH: &[u8] = include_bytes!("../example/vertex.traj");
 
-/// What an operator has done with the button.
+/// Press of the button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Press {
     /// Pressed it: to start, hold or resume the path.

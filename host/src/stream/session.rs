@@ -216,7 +216,8 @@ pub fn run(
     if options.unattended {
         driver = driver.unattended();
     }
-    let reverse = path.reverse();
+    // Only a host that goes on may stand on the reverse.
+    let reverse = options.resume.then(|| path.reverse()).flatten();
     if let Some(items) = reverse.as_ref().and_then(StreamPath::items) {
         driver = driver.turning(items);
     }

@@ -33,8 +33,8 @@ const STEP: u64 = 250;
 /// Time between two measurements of the sheet, microseconds.
 const LOOK: u64 = 20_000;
 
-/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond, if there is no other line. Without a plant its hinges are exactly
-/// at the commanded angles, and before the first command they are where the first path begins.
+/// A controller behind a serial line of 1 Mbaud with a delay of a millisecond, or behind [another](Self::with_line). Without a
+/// plant its hinges are exactly at the commanded angles, and before the first command they are where the first path begins.
 #[derive(Debug)]
 pub struct Sim {
     now: u64,
@@ -184,14 +184,14 @@ impl Link for Sim {
                     plant.look();
                 }
             }
-        }
-        if !self.hinges.is_empty() && self.now.is_multiple_of(4 * STEP) {
-            let hinges = &mut self.hinges;
-            self.device.drive(|hinge, _, target| {
-                let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
-                *angle = target.map_or(*angle, |target| target.angle);
-                Some((*angle).into())
-            });
+            if !self.hinges.is_empty() {
+                let hinges = &mut self.hinges;
+                self.device.drive(|hinge, _, target| {
+                    let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
+                    *angle = target.map_or(*angle, |target| target.angle);
+                    Some((*angle).into())
+                });
+            }
         }
         self.device.poll(self.now);
         while self.down.is_free(self.now)

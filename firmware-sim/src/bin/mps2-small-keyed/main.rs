@@ -10,7 +10,7 @@ mod board;
 
 #[cfg(target_os = "none")]
 mod sizes {
-    /// Whether there is room for a key.
+    /// Protection of the frames, with room for a key.
     pub(crate) use foldpath_core::wire::protection::Keyed as Protection;
 
     /// Largest numbers of groups, of hinges, of spokes of essential vertices, and of setpoints in the queue.

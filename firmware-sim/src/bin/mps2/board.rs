@@ -10,15 +10,16 @@
 
 use core::convert::Infallible;
 use core::ptr;
-use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::asm;
 use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_controller::retained::{self, Records};
+use foldpath_controller::stored;
 use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
-use foldpath_controller::{retained, stored};
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::{GroupLimits, Membership};
@@ -88,8 +89,7 @@ static DRAWN: AtomicBool = AtomicBool::new(false);
 /// Records that a reset leaves as they are.
 // SAFETY: the section is not written at start, and every value of a byte is valid.
 #[unsafe(link_section = ".uninit.records")]
-static RECORDS: [[AtomicU8; Mps2::RECORD]; 2] =
-    [const { [const { AtomicU8::new(0) }; Mps2::RECORD] }; 2];
+static RECORDS: Records<{ Mps2::RECORD }> = Records::new();
 
 /// The hinges, which a reset leaves as they are. The emulator's memory is 0 when it starts.
 // SAFETY: as above: any bytes are a valid plant.
@@ -235,20 +235,12 @@ impl Board for Mps2 {
 
     const RECORD: usize = retained::size(GROUPS);
 
-    #[inline(never)]
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            place.store(*byte, Ordering::Relaxed);
-        }
+        RECORDS.keep(record, at, bytes);
     }
 
-    #[inline(never)]
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
-        let record = RECORDS.get(record).and_then(|record| record.get(at..));
-        for (place, byte) in record.unwrap_or(&[]).iter().zip(bytes) {
-            *byte = place.load(Ordering::Relaxed);
-        }
+        RECORDS.kept(record, at, bytes);
     }
 
     fn key(&mut self) -> StoredKey {
