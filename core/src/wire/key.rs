@@ -9,6 +9,8 @@
 
 use core::fmt;
 
+use siphasher::sip::SipHasher24;
+
 /// Number of bytes of a counter and a tag.
 pub const TRAILER: usize = 12;
 
@@ -76,41 +78,11 @@ impl Key {
     }
 
     /// Returns the SipHash-2-4 of some bytes. Cost: proportional to their number.
-    // Not inlined, so that an image has it once. It is written out here because it is then a third as long as that of a
-    // library, which takes its bytes in pieces of any length.
+    // Not inlined, so that an image has it once.
     #[inline(never)]
     #[must_use]
     pub fn tag(&self, bytes: &[u8]) -> u64 {
-        let [a, b, c, d, e, f, g, h, high @ ..] = self.0;
-        let low = [a, b, c, d, e, f, g, h];
-        let [low, high] = [low, high].map(u64::from_le_bytes);
-        // The letters of "somepseudorandomlygeneratedbytes".
-        let mut state = [
-            low ^ 0x736f_6d65_7073_6575,
-            high ^ 0x646f_7261_6e64_6f6d,
-            low ^ 0x6c79_6765_6e65_7261,
-            high ^ 0x7465_6462_7974_6573,
-        ];
-        let (words, rest) = bytes.as_chunks::<8>();
-        // The last word ends with the length modulo 2⁸.
-        let mut last = [0; 8];
-        last.iter_mut()
-            .zip(rest)
-            .for_each(|(place, byte)| *place = *byte);
-        let [.., end] = &mut last;
-        [*end, ..] = bytes.len().to_le_bytes();
-        for word in words.iter().chain([&last]) {
-            let word = u64::from_le_bytes(*word);
-            let [.., v3] = &mut state;
-            *v3 ^= word;
-            mix(&mut state, 2);
-            let [v0, ..] = &mut state;
-            *v0 ^= word;
-        }
-        let [_, _, v2, _] = &mut state;
-        *v2 ^= 0xff;
-        mix(&mut state, 4);
-        state.iter().fold(0, |tag, part| tag ^ part)
+        SipHasher24::new_with_key(&self.0).hash(bytes)
     }
 
     /// Returns the key for one direction of a session: the tags of direction, half (0 or 1), both nonces and the session,
@@ -151,24 +123,6 @@ impl Key {
         (self.tag(covered) == u64::from_le_bytes(*tag))
             .then_some((u32::from_le_bytes(*counter), rest))
     }
-}
-
-/// Mixes the state of SipHash in some rounds.
-fn mix(state: &mut [u64; 4], rounds: usize) {
-    let [mut v0, mut v1, mut v2, mut v3] = *state;
-    for _ in 0..rounds {
-        v0 = v0.wrapping_add(v1);
-        v2 = v2.wrapping_add(v3);
-        v1 = v1.rotate_left(13) ^ v0;
-        v3 = v3.rotate_left(16) ^ v2;
-        v0 = v0.rotate_left(32);
-        v2 = v2.wrapping_add(v1);
-        v0 = v0.wrapping_add(v3);
-        v1 = v1.rotate_left(17) ^ v2;
-        v3 = v3.rotate_left(21) ^ v0;
-        v2 = v2.rotate_left(32);
-    }
-    *state = [v0, v1, v2, v3];
 }
 
 /// The key that a board has stored.

@@ -943,21 +943,8 @@ pub(crate) struct Stream {
     /// With sim: path from which the .traj file was exported, to report how far from rigid its sheet was
     #[arg(long)]
     pub(crate) sheet: Option<PathBuf>,
-    /// Image for qemu [default: the image of the workspace, which is built if it is missing]
-    #[arg(long)]
-    pub(crate) image: Option<PathBuf>,
-    /// Speed of a serial line, baud
-    #[arg(long, default_value_t = 115_200)]
-    pub(crate) baud: u32,
-    /// File of the key that the controller has as well, as `foldpath pair` writes it
-    ///
-    /// Every frame then has a tag that only owners of the key can make, and a counter, so that nobody else can move the
-    /// sheet, with frames that were recorded either. sim and qemu start a controller that has the key.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) key: Option<PathBuf>,
-    /// With tcp: send without a key, so that anybody on the network may move the sheet
-    #[arg(long, conflicts_with = "key")]
-    pub(crate) insecure: bool,
+    #[command(flatten)]
+    pub(crate) line: LineArgs,
     #[command(flatten)]
     pub(crate) report: Report,
 }
@@ -985,18 +972,8 @@ pub(crate) struct Drive {
     /// `save`, or at the end if all commands came as arguments and were done.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
-    /// Image for qemu [default: the image of the workspace, which is built if it is missing]
-    #[arg(long)]
-    pub(crate) image: Option<PathBuf>,
-    /// Speed of a serial line, baud
-    #[arg(long, default_value_t = 115_200)]
-    pub(crate) baud: u32,
-    /// File of the key that the controller has as well, as `foldpath pair` writes it
-    #[arg(long, value_name = "FILE")]
-    pub(crate) key: Option<PathBuf>,
-    /// With tcp: send without a key, so that anybody on the network may move the hinges
-    #[arg(long, conflicts_with = "key")]
-    pub(crate) insecure: bool,
+    #[command(flatten)]
+    pub(crate) line: LineArgs,
     /// Print the answer to each command as a JSON object, one on each line
     #[arg(long)]
     pub(crate) json: bool,
@@ -1032,7 +1009,27 @@ pub(crate) struct Pair {
     pub(crate) baud: u32,
 }
 
-/// Controller to which a path is sent.
+/// Options of the line to a controller.
+#[derive(Debug, Args)]
+pub(crate) struct LineArgs {
+    /// Image for qemu [default: the image of the workspace, which is built if it is missing]
+    #[arg(long)]
+    pub(crate) image: Option<PathBuf>,
+    /// Speed of a serial line, baud
+    #[arg(long, default_value_t = 115_200)]
+    pub(crate) baud: u32,
+    /// File of the key that the controller has as well, as `foldpath pair` writes it
+    ///
+    /// Every frame then has a tag that only owners of the key can make, and a counter, so that nobody else can move the
+    /// sheet, with frames that were recorded either. sim and qemu start a controller that has the key.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
+    /// With tcp: send without a key, so that anybody on the network may move the sheet
+    #[arg(long, conflicts_with = "key")]
+    pub(crate) insecure: bool,
+}
+
+/// Controller, and the line to it.
 #[derive(Clone, Debug)]
 pub(crate) enum Target {
     Sim,

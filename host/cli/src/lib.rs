@@ -27,6 +27,7 @@ mod plan;
 mod plot;
 mod png;
 mod progress;
+mod reach;
 mod report;
 mod standard;
 mod stream;

@@ -273,7 +273,7 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             let inputs = inputs
                 .chain(some("--script", &args.script))
                 .chain(some("--sheet", &args.sheet))
-                .chain(some("--key", &args.key));
+                .chain(some("--key", &args.line.key));
             (
                 inputs.collect(),
                 some("--log", &args.log).into_iter().collect(),
@@ -284,7 +284,7 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
                 .commands
                 .is_empty()
                 .then_some(("COMMANDS", Path::new("-")));
-            let inputs = stdin.into_iter().chain(some("--key", &args.key));
+            let inputs = stdin.into_iter().chain(some("--key", &args.line.key));
             (inputs.collect(), vec![])
         }
         Command::Pair(_) | Command::Completions(_) | Command::Man(_) => (vec![], vec![]),

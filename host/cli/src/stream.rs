@@ -2,20 +2,17 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use std::io;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use foldpath_core::follower::State;
-use foldpath_core::wire::key::Key;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::args::{At, Drives, LineFaults, Stream, Target};
-use crate::key;
-use crate::link::{Emulator, Wire, default_image};
 use crate::log::Log;
 use crate::progress::{self, PACE, PATIENCE};
+use crate::reach::{self, Host};
 use crate::report::outcome;
 use crate::standard::{Input, print_summary, shown, source};
 use crate::{Answer, CliError, check_output, print_json};
@@ -48,7 +45,7 @@ struct StreamJson<'a> {
 
 pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     if let Some(log) = &args.log {
-        let others = [&args.script, &args.sheet, &args.image, &args.key];
+        let others = [&args.script, &args.sheet, &args.line.image, &args.line.key];
         let inputs = [&args.path].into_iter().chain(others.into_iter().flatten());
         check_output("--log", log, inputs)?;
     }
@@ -73,7 +70,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
         let what = "--drives, --script and --sheet: expected --to sim, whose hinges are simulated";
         return Err(CliError::Usage(what.into()));
     }
-    let key = key_for(&args.to, args.key.as_deref(), args.insecure, quiet)?;
+    let key = reach::key(&args.to, &args.line, quiet)?;
     let host = Host::new(key).map_err(CliError::Output)?;
     let bars = progress::shown(&args.report, quiet);
     let mut rigidity = None;
@@ -91,61 +88,13 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
-        Target::Qemu => {
-            let image = image(args.image.as_deref())?;
-            let name = format!("qemu-system-arm with {}", image.display());
-            connected(&name, Emulator::start(&image, key), args, &path, host, bars)?
-        }
-        Target::Serial(device) => {
-            let link = Wire::open(device, args.baud);
-            connected(&format!("serial:{device}"), link, args, &path, host, bars)?
-        }
-        Target::Tcp(address) => {
-            let link = Wire::connect(address);
-            connected(&format!("tcp:{address}"), link, args, &path, host, bars)?
+        to => {
+            let (name, link) = reach::open(to, &args.line, key)?;
+            connected(&name, link, args, &path, host, bars)?
         }
     };
     report(args, &path, &summary, rigidity, quiet)?;
     Ok(summary.outcome == Outcome::Done)
-}
-
-/// Reads the key for a line to a controller, if there is one.
-///
-/// # Errors
-/// If the key cannot be read, if a line over a network has none, or if another line is to go without.
-pub(crate) fn key_for(
-    to: &Target,
-    file: Option<&Path>,
-    insecure: bool,
-    quiet: bool,
-) -> Result<Option<Key>, CliError> {
-    let key = file.map(|path| key::read(path, quiet)).transpose()?;
-    if matches!(to, Target::Tcp(_)) && key.is_none() && !insecure {
-        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
-                    sheet";
-        return Err(CliError::Usage(what.into()));
-    }
-    if insecure && !matches!(to, Target::Tcp(_)) {
-        let what = "--insecure: expected --to tcp; other lines need no key";
-        return Err(CliError::Usage(what.into()));
-    }
-    Ok(key)
-}
-
-/// Returns the file of the emulated board's image.
-///
-/// # Errors
-/// If there is no such file, or none is named and none can be built.
-pub(crate) fn image(named: Option<&Path>) -> Result<PathBuf, CliError> {
-    match named {
-        Some(image) if image.is_file() => Ok(image.to_path_buf()),
-        Some(image) => {
-            let image = image.display();
-            let text = format!("--image: expected the file of an image, found none at {image}");
-            Err(CliError::Usage(text))
-        }
-        None => default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}"))),
-    }
 }
 
 /// Checks that the path begins where an operator says that the sheet stands.
@@ -215,14 +164,14 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
 /// Runs a session over a link. Without a link, the outcome says that there is no device.
 fn connected(
     name: &str,
-    link: io::Result<impl Link>,
+    link: io::Result<Box<dyn Link>>,
     args: &Stream,
     path: &StreamPath,
     host: Host,
     shown: bool,
 ) -> Result<Summary, CliError> {
     match link {
-        Ok(link) => session(link, args, path, host, shown),
+        Ok(mut link) => session(&mut *link, args, path, host, shown),
         Err(error) => Ok(Summary {
             outcome: Outcome::NoDevice,
             reason: Some(format!("{name}: {error}")),
@@ -235,27 +184,6 @@ fn connected(
             round_trip: None,
             duration: 0,
         }),
-    }
-}
-
-/// The host of a session: numbers that other sessions are unlikely to have had, and the key.
-#[derive(Clone, Copy)]
-pub(crate) struct Host {
-    pub(crate) id: u32,
-    pub(crate) nonce: u32,
-    pub(crate) key: Option<Key>,
-}
-
-impl Host {
-    /// # Errors
-    /// If the operating system has no random number.
-    pub(crate) fn new(key: Option<Key>) -> io::Result<Self> {
-        let [a, b, c, d, upper @ ..] = key::nonce()?.to_le_bytes();
-        Ok(Self {
-            id: u32::from_le_bytes([a, b, c, d]),
-            nonce: u32::from_le_bytes(upper),
-            key,
-        })
     }
 }
 

@@ -37,33 +37,7 @@ pub trait Link {
     }
 }
 
-impl<L: Link + ?Sized> Link for Box<L> {
-    fn now(&self) -> u64 {
-        (**self).now()
-    }
-
-    fn is_free(&self) -> bool {
-        (**self).is_free()
-    }
-
-    fn write(&mut self, frame: &[u8]) -> io::Result<()> {
-        (**self).write(frame)
-    }
-
-    fn read(&mut self) -> io::Result<Option<u8>> {
-        (**self).read()
-    }
-
-    fn wait(&mut self) -> io::Result<()> {
-        (**self).wait()
-    }
-
-    fn stop(&mut self) -> io::Result<bool> {
-        (**self).stop()
-    }
-}
-
-impl<L: Link> Link for &mut L {
+impl<L: Link + ?Sized> Link for &mut L {
     fn now(&self) -> u64 {
         (**self).now()
     }

@@ -12,13 +12,12 @@ use std::thread;
 
 use serde::Serialize;
 
-use crate::args::{Drive, Target};
-use crate::link::{Emulator, Wire};
-use crate::stream::Host;
-use crate::{Answer, CliError, print, print_json, say, stream};
+use crate::args::Drive;
+use crate::reach::{self, Host};
+use crate::{Answer, CliError, print, print_json, say};
 pub(crate) use command::HELP;
 use command::{Command, radians};
-use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen, Sim};
+use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen};
 use map::{MapFile, Row};
 
 /// Time for which a line of commands is waited for before signs of life are sent.
@@ -93,54 +92,24 @@ impl Line {
 
 pub(crate) fn run(args: &Drive, quiet: bool) -> Answer {
     let commands = command::parse(&args.commands.join(" ")).map_err(CliError::Usage)?;
-    let key = stream::key_for(&args.to, args.key.as_deref(), args.insecure, quiet)?;
+    let key = reach::key(&args.to, &args.line, quiet)?;
     let map = MapFile::read(args.map.as_deref())?;
     let Host { id, nonce, key } = Host::new(key).map_err(CliError::Output)?;
-    let desk = |name: &str, link: io::Result<Box<dyn Link>>| {
-        let bench = link
-            .map_err(|error| format!("{name}: {error}"))
-            .and_then(|link| {
-                Bench::open(link, key, id, nonce).map_err(|error| match error {
-                    BenchError::Line(error) => format!("the line: {error}"),
-                    BenchError::NoDevice(reason) | BenchError::Denied(reason) => reason,
-                })
-            });
-        match bench {
-            Ok(bench) => Desk::new(bench, map, args.json).work(commands),
-            Err(reason) => {
-                tell(args.json, &Line::new("no_device", reason))?;
-                Ok(false)
-            }
+    let (name, mut link) = reach::open(&args.to, &args.line, key)?;
+    let bench = match &mut link {
+        Ok(link) => {
+            Bench::open(&mut **link as &mut dyn Link, key, id, nonce).map_err(|error| match error {
+                BenchError::Line(error) => format!("the line: {error}"),
+                BenchError::NoDevice(reason) | BenchError::Denied(reason) => reason,
+            })
         }
+        Err(error) => Err(format!("{name}: {error}")),
     };
-    match &args.to {
-        Target::Sim => {
-            let sim = Sim::bench();
-            let sim = match key {
-                Some(key) => sim.with_key(key),
-                None => sim,
-            };
-            desk("sim", Ok(Box::new(sim)))
-        }
-        Target::Qemu => {
-            let image = stream::image(args.image.as_deref())?;
-            let link = Emulator::start(&image, key);
-            let name = format!("qemu-system-arm with {}", image.display());
-            desk(&name, link.map(|link| Box::new(link) as _))
-        }
-        Target::Serial(device) => {
-            let link = Wire::open(device, args.baud);
-            desk(
-                &format!("serial:{device}"),
-                link.map(|link| Box::new(link) as _),
-            )
-        }
-        Target::Tcp(address) => {
-            let link = Wire::connect(address);
-            desk(
-                &format!("tcp:{address}"),
-                link.map(|link| Box::new(link) as _),
-            )
+    match bench {
+        Ok(bench) => Desk::new(bench, map, args.json).work(commands),
+        Err(reason) => {
+            tell(args.json, &Line::new("no_device", reason))?;
+            Ok(false)
         }
     }
 }
@@ -157,15 +126,15 @@ fn tell(json: bool, line: &Line) -> Result<(), CliError> {
 }
 
 /// A session, the map, and the operator.
-struct Desk {
-    bench: Bench<Box<dyn Link>>,
+struct Desk<'a> {
+    bench: Bench<&'a mut dyn Link>,
     map: MapFile,
     json: bool,
     pressed: Arc<AtomicU8>,
 }
 
-impl Desk {
-    fn new(bench: Bench<Box<dyn Link>>, map: MapFile, json: bool) -> Self {
+impl<'a> Desk<'a> {
+    fn new(bench: Bench<&'a mut dyn Link>, map: MapFile, json: bool) -> Self {
         let pressed = Arc::new(AtomicU8::new(0));
         let count = Arc::clone(&pressed);
         // If no handler can be set, Ctrl-C ends the process, and the controller ends the motion because it hears nothing.
