@@ -1,5 +1,7 @@
 //! A path in flash that a button plays, without a host.
 
+use core::fmt;
+
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory_file::{FileError, TrajectoryFile};
 use foldpath_core::wire::file::FileItems;
@@ -29,6 +31,20 @@ pub enum PlayRefusal {
     Item(ItemRefusal),
 }
 
+impl fmt::Display for PlayRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Host => f.write_str("a host was heard within the last second"),
+            Self::Done => f.write_str("the path has ended, and there is no way back"),
+            Self::Fault(fault) => write!(f, "the motion has failed: {fault:?}"),
+            Self::Denied(denial) => write!(f, "the controller denies it: {denial:?}"),
+            Self::Item(refusal) => write!(f, "the controller refuses the file: {refusal:?}"),
+        }
+    }
+}
+
+impl core::error::Error for PlayRefusal {}
+
 impl From<Denial> for PlayRefusal {
     fn from(denial: Denial) -> Self {
         Self::Denied(denial)
@@ -45,6 +61,19 @@ pub enum PlayerError {
     /// The file has no knot, or more than 2¹⁴ groups, hinges or spokes.
     Size,
 }
+
+impl fmt::Display for PlayerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Size => {
+                f.write_str("expected a knot, and at most 16384 groups, hinges and spokes each")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PlayerError {}
 
 /// A request of a button.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,11 @@
-//! Whole lives of controllers: power cuts, resets, stops, faults, hosts that come and go, frames that are forged or played
-//! back, with and without a key. Whatever happens, on every tick no hinge moves before its place is known, none while a stop
+//! Whole lives of controllers: power cuts, resets, stops, faults, hosts that come and go, buttons that play a path from
+//! flash, frames that are forged or played back, with and without a key. Whatever happens, on every tick no hinge moves before its place is known, none while a stop
 //! or a fault is latched, none faster than its path and its board allow, the commanded angles close, and the host is told
 //! why nothing moves.
 //!
 //! The fuzzer (`fuzz/`) has a model of single frames; here the whole main loop runs, with its records and its hinges.
 
-use foldpath_controller::stored;
+use foldpath_controller::{Player, stored};
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
@@ -49,6 +49,9 @@ struct Tally {
     resets: u64,
     forged: u64,
     told: u64,
+    /// Ticks in which a hinge moved on a path that a button plays.
+    played: u64,
+    released: u64,
 }
 
 struct Life<'a, P: Protection> {
@@ -56,8 +59,11 @@ struct Life<'a, P: Protection> {
     path: &'a Path,
     machine: Machine<2, P>,
     host: Option<Driver<'a>>,
+    /// The player of a board with buttons, and the one with which it starts.
+    player: Option<Player<'a>>,
+    fresh: Option<Player<'a>>,
     key: Option<Key>,
-    /// `false` if a reset, or a greeting that was played back, may have ended the host's session.
+    /// `false` if a reset, a button, or a greeting that was played back, may have ended the host's session.
     hears: bool,
     /// `true` once the commanded angles have closed since the path was last started.
     closed: bool,
@@ -66,7 +72,7 @@ struct Life<'a, P: Protection> {
 }
 
 impl<'a, P: Protection> Life<'a, P> {
-    fn new(path: &'a Path, seed: u64, key: Option<Key>) -> Self {
+    fn new(path: &'a Path, seed: u64, key: Option<Key>, player: Option<Player<'a>>) -> Self {
         let mut machine = Machine::<2, P>::with_line(seed << 20, false);
         if let Some(key) = key {
             machine.bench(|bench| bench.flash = stored::words(&key));
@@ -77,6 +83,8 @@ impl<'a, P: Protection> Life<'a, P> {
             path,
             machine,
             host: None,
+            player,
+            fresh: player,
             key,
             hears: false,
             closed: false,
@@ -93,6 +101,9 @@ impl<'a, P: Protection> Life<'a, P> {
     fn run(&mut self, millis: u64) {
         for _ in 0..millis {
             self.machine.run(self.host.as_mut(), 1);
+            if let Some(player) = &mut self.player {
+                self.machine.controller.play(player);
+            }
             let condition = self.machine.condition();
             // Hinges 1 and 2 are of both groups, with the signs of their groups.
             let angles = self.machine.bench(|bench| {
@@ -116,6 +127,8 @@ impl<'a, P: Protection> Life<'a, P> {
                 let latched = condition.stopped || condition.fault.is_some();
                 assert!(!latched || moved.to_bits() == 0, "{moved} {condition:?}");
                 self.tally.moved += u64::from(moved > 0.0);
+                let plays = self.player.is_some_and(|player| player.is_playing());
+                self.tally.played += u64::from(moved > 0.0 && plays);
             }
             if let [Some(major), Some(minor)] = angles {
                 let residual = self.path.residual(&[major, minor]);
@@ -214,23 +227,60 @@ impl<'a, P: Protection> Life<'a, P> {
         }
     }
 
+    /// Forgets what a reset of the board ends.
+    fn starts_again(&mut self) {
+        self.hears = false;
+        self.before = (None, [None; 2]);
+        self.player = self.fresh;
+    }
+
+    /// Presses a button, or two shortly one after the other.
+    fn presses(&mut self, mut player: Player<'a>) {
+        self.hears = false;
+        match self.below(4) {
+            0 => {
+                player.release();
+                self.tally.released += 1;
+            }
+            1 => player.press(),
+            // An operator lays a limp sheet flat, and says so.
+            _ => {
+                if !self.machine.condition().known {
+                    self.machine.bench(|bench| bench.stands.fill(0.0));
+                }
+                player.press_flat();
+            }
+        }
+        self.player = Some(player);
+        let millis = self.below(300);
+        self.run(millis);
+    }
+
     fn happens(&mut self) {
+        if let Some(player) = self.player
+            && self.below(3) == 0
+        {
+            // A button counts only after a second of silence.
+            if self.below(2) == 0 {
+                self.host = None;
+                self.run(1100);
+            }
+            return self.presses(player);
+        }
         match self.below(12) {
             0..3 => self.greets(),
             3 => self.host = None,
             4 => {
                 let nonce = self.rng.next_u64();
                 self.machine.cut_power(nonce);
-                self.hears = false;
-                self.before = (None, [None; 2]);
+                self.starts_again();
                 self.tally.cuts += 1;
             }
             5 | 6 => {
                 let limp = self.below(3) == 0;
                 self.machine.bench(|bench| bench.limp = limp);
                 self.machine.reset();
-                self.hears = false;
-                self.before = (None, [None; 2]);
+                self.starts_again();
                 self.tally.resets += 1;
             }
             7 => {
@@ -274,14 +324,17 @@ impl<'a, P: Protection> Life<'a, P> {
 #[test]
 fn in_no_life_does_a_hinge_move_that_must_not() {
     let path = Path::miura();
+    let (there, back) = (path.file(), path.reversed().file());
+    let player = Player::new(&there, Some(&back)).unwrap();
     let mut sum = Tally::default();
     for seed in 0..LIVES {
         // A failure names its seed.
         let result = std::panic::catch_unwind(|| {
+            let player = (seed % 4 >= 2).then_some(player);
             if seed % 2 == 0 {
-                Life::<Unkeyed>::new(&path, seed, None).live()
+                Life::<Unkeyed>::new(&path, seed, None, player).live()
             } else {
-                Life::<Keyed>::new(&path, seed, Some(KEY)).live()
+                Life::<Keyed>::new(&path, seed, Some(KEY), player).live()
             }
         });
         let one = result.unwrap_or_else(|_| panic!("the life of seed {seed}"));
@@ -294,6 +347,8 @@ fn in_no_life_does_a_hinge_move_that_must_not() {
         sum.resets += one.resets;
         sum.forged += one.forged;
         sum.told += one.told;
+        sum.played += one.played;
+        sum.released += one.released;
     }
     println!("{sum:?}");
     assert!(
@@ -305,4 +360,5 @@ fn in_no_life_does_a_hinge_move_that_must_not() {
         "{sum:?}"
     );
     assert!(sum.forged > 10_000 && sum.told > 500, "{sum:?}");
+    assert!(sum.played > 10_000 && sum.released > 400, "{sum:?}");
 }

@@ -375,5 +375,9 @@ fn bytes_that_are_no_path_make_no_player() {
     file[100] ^= 1;
     let broken = PlayerError::File(FileError::Checksum);
     assert_eq!(error(&file), broken);
+    assert_eq!(
+        broken.to_string(),
+        "the checksum is not that of the bytes before it"
+    );
     assert_eq!(Player::new(&back, Some(&file)).unwrap_err(), broken);
 }
