@@ -104,14 +104,14 @@ fn panels_are_where_the_path_has_them() {
         let planned = Planned::new("waterbomb-4x6", &options);
         let view = View::open(&scene(&planned), &[]);
         let Animation { frames, motion, .. } = Animation::parse(&planned.text()).unwrap();
-        for (segment, pair) in frames.windows(2).enumerate() {
-            view.assert_shape(pair[1].time, &pair[1].vertices);
-            let time = pair[0].time + 0.3 * (pair[1].time - pair[0].time);
-            let angles = view.run(&format!(
-                "foldpath.setTime({time}); JSON.stringify(foldpath.angles())"
-            ));
-            let angles: Vec<f64> = serde_json::from_str(angles.as_str().unwrap()).unwrap();
+        view.assert_shapes(frames.iter().map(|frame| (frame.time, &frame.vertices[..])));
+        let between = frames.windows(2);
+        let times = between.map(|pair| pair[0].time + 0.3 * (pair[1].time - pair[0].time));
+        let times: Vec<f64> = times.collect();
+        let angles = view.at_times(&times, "foldpath.angles()");
+        for (segment, (time, angles)) in times.iter().zip(angles).enumerate() {
             let expected = motion.angles(segment, 0.3);
+            assert_eq!(angles.len(), expected.len());
             for (edge, (a, b)) in angles.iter().zip(&expected).enumerate() {
                 assert!(
                     (a - b).abs() < 1e-9,
@@ -138,9 +138,8 @@ fn a_path_of_angles_alone_and_without_groups_folds_as_well() {
     assert_eq!(scene.motion.groups, 2, "hinges that turn alike");
     let view = View::open(&scene, &[]);
     let animation = Animation::parse(&planned.text()).unwrap();
-    for frame in &animation.frames {
-        view.assert_shape(frame.time, &frame.vertices);
-    }
+    let frames = animation.frames.iter();
+    view.assert_shapes(frames.map(|frame| (frame.time, &frame.vertices[..])));
     view.assert_quiet();
 }
 
@@ -313,7 +312,7 @@ fn hinges_behind_faces_are_not_picked() {
     let points = view.points("foldpath.vertices()");
     let eye = view.points("foldpath.eye()")[0];
     let at = |v: u32| points[v as usize];
-    let (mut seen, mut hidden) = (0, 0);
+    let (mut seen, mut hidden, mut hinges) = (0, 0, Vec::new());
     for (edge, ends) in scene.edges.iter().enumerate().step_by(3) {
         if scene.turns[edge] == 0 {
             continue;
@@ -324,15 +323,22 @@ fn hinges_behind_faces_are_not_picked() {
         let before = others.map(|t| along_ray(middle, eye, t.map(at)));
         // Nothing is asserted of a hinge whose only obstructions lie right in front of it.
         let distances: Vec<f64> = before.flatten().collect();
-        let script =
-            format!("(([x, y]) => foldpath.hingeAt(x, y))(foldpath.middleOf({edge})) === {edge}");
         if distances.is_empty() {
             seen += 1;
-            assert_eq!(view.run(&script), json!(true), "hinge {edge} is in sight");
+            hinges.push((edge, true));
         } else if distances.iter().any(|&distance| distance > 0.2) {
             hidden += 1;
-            assert_eq!(view.run(&script), json!(false), "hinge {edge} is hidden");
+            hinges.push((edge, false));
         }
+    }
+    // One script asks for all: between two scripts the browser would draw the sheet.
+    let edges: Vec<usize> = hinges.iter().map(|(edge, _)| *edge).collect();
+    let found = view.run(&format!(
+        "JSON.stringify({edges:?}.map(edge => foldpath.hingeAt(...foldpath.middleOf(edge)) === edge))"
+    ));
+    let found: Vec<bool> = serde_json::from_str(found.as_str().unwrap()).unwrap();
+    for ((edge, in_sight), found) in hinges.into_iter().zip(found) {
+        assert_eq!(found, in_sight, "hinge {edge}");
     }
     assert!(seen > 20 && hidden > 20, "{seen} in sight, {hidden} hidden");
     view.assert_quiet();
@@ -356,7 +362,7 @@ fn ten_thousand_faces_are_one_small_page_that_folds() {
     assert!(page(&scene).len() < 2_000_000);
     let view = View::open(&scene, &[]);
     let last = planned.plan.knots().last().unwrap();
-    view.assert_shape(last.time, &last.vertices);
+    view.assert_shapes([(last.time, &last.vertices[..])].into_iter());
     let mut pictures = Vec::new();
     for position in ["0", "0.25", "0.5", "0.75", "1"] {
         view.run(&format!("foldpath.setPosition({position})"));

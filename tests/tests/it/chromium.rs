@@ -155,26 +155,26 @@ impl View {
         points.collect()
     }
 
-    /// Asserts that the sheet on the page has the expected shape at a time, in whatever position: distances and volumes
-    /// between random vertices are equal, to 1e-6 of its size.
-    pub(crate) fn assert_shape(&self, time: f64, expected: &[Vector3<f64>]) {
-        self.run(&format!("foldpath.setTime({time})"));
-        let found = self.points("foldpath.vertices()");
-        assert_eq!(found.len(), expected.len());
-        let from = |shape: &[Vector3<f64>], [i, j]: [usize; 2]| shape[j] - shape[i];
-        let size = expected.iter().map(|p| (p - expected[0]).norm());
-        let size = size.fold(0.0, f64::max);
-        let mut random = Random::new(1);
-        for _ in 0..500 {
-            let mut draw = || random.whole(0, found.len() - 1);
-            let [i, j, k, l] = [draw(), draw(), draw(), draw()];
-            let [a, b] = [&found[..], expected].map(|shape| {
-                let arms = [j, k, l].map(|other| from(shape, [i, other]));
-                (arms[0].norm(), Matrix3::from_columns(&arms).determinant())
-            });
-            assert!((a.0 - b.0).abs() < 1e-6 * size, "{time}: {i} and {j}");
-            let volume = 1e-6 * size.powi(3);
-            assert!((a.1 - b.1).abs() < volume, "{time}: {i}, {j}, {k}, {l}");
+    /// Returns what a JavaScript function of the time returns while the sheet is at each of these times. One script asks
+    /// for all: between two scripts the browser would draw the sheet.
+    pub(crate) fn at_times(&self, times: &[f64], function: &str) -> Vec<Vec<f64>> {
+        let text = self.run(&format!(
+            "JSON.stringify({times:?}.map(time => {{ foldpath.setTime(time); return [...{function}]; }}))"
+        ));
+        serde_json::from_str(text.as_str().unwrap()).unwrap()
+    }
+
+    /// Asserts that the sheet on the page has the expected shapes at these times, in whatever position: distances and
+    /// volumes between random vertices are equal, to 1e-6 of its size.
+    pub(crate) fn assert_shapes<'a>(
+        &self,
+        shapes: impl Iterator<Item = (f64, &'a [Vector3<f64>])> + Clone,
+    ) {
+        let times: Vec<f64> = shapes.clone().map(|(time, _)| time).collect();
+        let found = self.at_times(&times, "foldpath.vertices()");
+        for ((time, expected), numbers) in shapes.zip(found) {
+            let points = numbers.chunks(3).map(Vector3::from_column_slice);
+            assert_same_shape(time, &points.collect::<Vec<_>>(), expected);
         }
     }
 
@@ -223,6 +223,25 @@ impl View {
         assert_eq!(self.run("foldpath.errors.join('; ')"), json!(""));
         let complaints = self.complaints.lock().unwrap();
         assert!(complaints.is_empty(), "{complaints:#?}");
+    }
+}
+
+fn assert_same_shape(time: f64, found: &[Vector3<f64>], expected: &[Vector3<f64>]) {
+    assert_eq!(found.len(), expected.len());
+    let from = |shape: &[Vector3<f64>], [i, j]: [usize; 2]| shape[j] - shape[i];
+    let size = expected.iter().map(|p| (p - expected[0]).norm());
+    let size = size.fold(0.0, f64::max);
+    let mut random = Random::new(1);
+    for _ in 0..500 {
+        let mut draw = || random.whole(0, found.len() - 1);
+        let [i, j, k, l] = [draw(), draw(), draw(), draw()];
+        let [a, b] = [found, expected].map(|shape| {
+            let arms = [j, k, l].map(|other| from(shape, [i, other]));
+            (arms[0].norm(), Matrix3::from_columns(&arms).determinant())
+        });
+        assert!((a.0 - b.0).abs() < 1e-6 * size, "{time}: {i} and {j}");
+        let volume = 1e-6 * size.powi(3);
+        assert!((a.1 - b.1).abs() < volume, "{time}: {i}, {j}, {k}, {l}");
     }
 }
 
