@@ -107,3 +107,58 @@ fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
     println!("| stack | {used} bytes |");
     assert!((256..=8 * 1024).contains(&used));
 }
+
+/// Follows the path at its full rate, lets something happen while the board is frozen, and prints when the board first told
+/// that nothing moves any more, milliseconds, and the milliseconds of the path until then. Returns the latter.
+fn stops(fold: &Fold, what: &str, happens: impl Fn(&mut World<'_>)) -> f64 {
+    let mut world = World::new(fold, "mps2-an386", Faults::default(), 0);
+    world.greet(Persistence::None);
+    world.until(|world| world.sight.is_some_and(|sight| sight.rate >= 1.0));
+    world.freeze();
+    // What the hosts have to say reaches the board as soon as its time goes on.
+    happens(&mut world);
+    for _ in 0..30 {
+        world.step();
+    }
+    let (before, frozen) = (world.sight.unwrap(), world.board.micros());
+    world.board.thaw();
+    world.until(|world| {
+        world.sight.is_some_and(|sight| {
+            sight.rate <= 0.0 && sight.state == State::Holding && sight.time > frozen
+        })
+    });
+    let after = world.sight.unwrap();
+    // At full rate, the motion went on from the last telemetry to the moment at which the board was frozen.
+    let went_on = 1e-3 * (frozen - before.time) as f64;
+    let way = 1e3 * (fold.time(after.place) - fold.time(before.place)) - went_on;
+    let time = (after.time - frozen) / 1000;
+    println!("| {what} | told after {time} ms | {way:.0} ms of the path |");
+    way
+}
+
+/// The emulated board stops as the controller on this machine does: see `firmware-sim/tests/it/stops.rs`.
+#[test]
+#[ignore = "takes ten seconds: `tests/run full` runs it"]
+fn an_emulated_board_stops_as_fast_as_the_controller_on_this_machine() {
+    let fold = Fold::miura();
+    image("foldpath-mps2-small");
+    let _turn = turn();
+    let line = stops(&fold, "the stop line", |world| world.board.draw_stop());
+    // Each place is that of a tick, up to a millisecond before the time that is told with it.
+    assert!((-3.0..=1.0).contains(&line), "{line}");
+    let asked = stops(&fold, "`Hold`, as by Ctrl-C", |world| {
+        world.hosts[0].driver.stop();
+    });
+    // 125 ms of braking, and the bytes of the frame, which the emulator takes one at a time.
+    assert!((122.0..=250.0).contains(&asked), "{asked}");
+    let gone = stops(&fold, "a host that is gone", |world| {
+        world.hosts[0].awake = false;
+    });
+    assert!((125.0..=627.0).contains(&gone), "{gone}");
+    let other = stops(&fold, "another host that greets", |world| {
+        world.hosts[0].awake = false;
+        world.greet(Persistence::None);
+    });
+    // Two exchanges with a host that may have to wait for this machine.
+    assert!((122.0..=627.0).contains(&other), "{other}");
+}

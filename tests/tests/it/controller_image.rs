@@ -2,6 +2,7 @@
 //! seeds for every fault. The world judges everything that the board tells: it commands nothing that was not sent,
 //! nothing beyond the limits and nothing that tears the sheet. All times are times of the board.
 
+use core::time::Duration;
 use std::sync::LazyLock;
 use std::thread;
 
@@ -231,6 +232,7 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
         }
         world.freeze();
         let before = world.sight.unwrap();
+        let frozen = world.board.micros();
         world.board.reset();
         world.until(|world| world.failure(0).is_some());
         assert_eq!(world.failure(0), Some(Failure::Lost));
@@ -245,7 +247,9 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
         world.until(|world| world.report.is_some() && world.sight.is_some());
         let place = world.sight.unwrap().place;
         let gone = FOLD.time(place) - FOLD.time(before.place);
-        assert!((0.0..0.1).contains(&gone), "{gone}");
+        // The motion went on behind the last telemetry, which a busy machine may have held up, at most at its full rate.
+        let most = Duration::from_micros(frozen - before.time).as_secs_f64() + 2e-3;
+        assert!((0.0..=most).contains(&gone), "{gone} of {most}");
         if stopped {
             assert_eq!(reason(&world), Reason::StopLine);
             world.run(300_000);
@@ -272,7 +276,7 @@ fn a_stack_that_grows_into_its_guard_resets_the_board_and_the_fold_goes_on() {
         // The watchdog would take a second, as the test below shows.
         let after = world.until_reset(start);
         assert!(after < 500_000, "{after}");
-        resumes(&mut world, before);
+        resumes(&mut world, before, start);
     });
 }
 
@@ -288,19 +292,22 @@ fn a_main_loop_that_hangs_resets_the_board_and_the_fold_goes_on() {
         world.board.hang(tick);
         let after = world.until_reset(start);
         assert!((500_000..2_100_000).contains(&after), "{after}");
-        resumes(&mut world, before);
+        resumes(&mut world, before, start);
     });
 }
 
-/// Waits until the host notices the reset. Another host then goes on from the setpoint that was executed last.
-fn resumes(world: &mut World<'_>, before: Sight) {
+/// Waits until the host notices the reset of a board that was frozen at this time. Another host then goes on from the
+/// setpoint that was executed last.
+fn resumes(world: &mut World<'_>, before: Sight, frozen: u64) {
     world.until(|world| world.failure(0).is_some());
     assert_eq!(world.failure(0), Some(Failure::Lost));
     world.forget();
     world.greet(Persistence::Resume);
     world.until(|world| world.report.is_some() && world.sight.is_some());
     let gone = FOLD.time(world.sight.unwrap().place) - FOLD.time(before.place);
-    assert!((0.0..0.1).contains(&gone), "{gone}");
+    // The board moves on until its stack or main loop fails.
+    let most = Duration::from_micros(frozen - before.time).as_secs_f64() + 0.1;
+    assert!((0.0..=most).contains(&gone), "{gone} of {most}");
     world.finish();
 }
 
