@@ -32,7 +32,7 @@ fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {
 #[test]
 fn a_campaign_finds_no_wrong_path() {
     let options = PlanOptions {
-        timeout: Some(Duration::from_secs(10)),
+        timeout: Some(Duration::from_secs(4)),
         ..PlanOptions::default()
     };
     let tallies = Family::ALL.iter().map(|&family| {

@@ -115,7 +115,7 @@ fn stops(fold: &Fold, what: &str, happens: impl Fn(&mut World<'_>)) -> f64 {
     world.greet(Persistence::None);
     world.until(|world| world.sight.is_some_and(|sight| sight.rate >= 1.0));
     world.freeze();
-    // What the hosts have to say reaches the board as soon as its time goes on.
+    // The frames of the hosts wait in the line, and reach the board as soon as its time goes on.
     happens(&mut world);
     for _ in 0..30 {
         world.step();

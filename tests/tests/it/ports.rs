@@ -36,7 +36,6 @@ fn the_port_to_an_stm32f411_links() {
 }
 
 #[test]
-#[ignore = "builds embassy: `tests/run full` runs it"]
 fn the_port_to_embassy_links() {
     links("foldpath-port-embassy-stm32f4", [80 << 10, 32 << 10]);
 }
