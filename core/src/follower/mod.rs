@@ -45,7 +45,10 @@ pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
+// Fields are in this order, with large ones last, because a Cortex-M reaches only the first 4 kB of a struct by one
+// instruction. The same is true of what holds a follower.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     options: Options<T>,
     state: State,
@@ -63,10 +66,6 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     heard: u64,
     lag: LagWatch<T>,
 
-    approach: Approach<T, GROUPS>,
-    queue: Queue<T, GROUPS, KNOTS>,
-    /// Setpoint that is being checked, and how far its check has come.
-    pending: Option<(Setpoint<T, GROUPS>, Progress)>,
     next: u32,
     ended: bool,
 
@@ -84,6 +83,10 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     survey: Survey<T, GROUPS>,
     angles: [T; GROUPS],
     rates: [T; GROUPS],
+    approach: Approach<T, GROUPS>,
+    /// Setpoint that is being checked, and how far its check has come.
+    pending: Option<(Setpoint<T, GROUPS>, Progress)>,
+    queue: Queue<T, GROUPS, KNOTS>,
 }
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {

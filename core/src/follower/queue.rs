@@ -10,20 +10,22 @@ use crate::{Curve, Interpolation, Scalar, segment_bounds};
 const COMMAND_EPSILONS: f64 = 64.0;
 
 /// Setpoints of the path; the position lies on the segment behind the first one.
+// In order, for the reason given at `Follower`.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
     groups: usize,
-    /// Smallest angle, largest angle and largest speed of each group.
-    bounds: [[T; 3]; GROUPS],
-    setpoints: Deque<Setpoint<T, GROUPS>, KNOTS>,
-    /// Segment behind the first setpoint: its curves, its duration (`span`) and the part of it that has passed
-    /// (`into`), seconds.
-    curves: [Curve<T>; GROUPS],
+    /// Duration of the segment behind the first setpoint (`span`), and the part of it that has passed (`into`), seconds.
     span: T,
     into: T,
     /// Seconds that rounding has kept out of `into` (compensated summation).
     carry: T,
+    /// Curves of that segment.
+    curves: [Curve<T>; GROUPS],
+    /// Smallest angle, largest angle and largest speed of each group.
+    bounds: [[T; 3]; GROUPS],
+    setpoints: Deque<Setpoint<T, GROUPS>, KNOTS>,
 }
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS> {
@@ -123,6 +125,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     }
 
     /// Returns the seconds from the position to the last setpoint, at most the largest number.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     pub(super) fn left(&self) -> T {
         match (self.setpoints.front(), self.setpoints.back()) {
             (Some(first), Some(last)) => {

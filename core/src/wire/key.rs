@@ -87,6 +87,8 @@ impl Key {
 
     /// Returns the key for one direction of a session: the tags of direction, half (0 or 1), both nonces and the session,
     /// little endian. Greetings are of session 0 and have nonces of 0.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     #[must_use]
     pub fn of(&self, direction: Direction, nonces: Nonces, session: u32) -> Self {
         let mut input = [0; 22];

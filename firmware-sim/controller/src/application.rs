@@ -66,7 +66,9 @@ pub trait Board {
 }
 
 /// A controller on a board, with a line to its host.
+// In order, for the reason given at `Follower`.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Application<
     B,
     L,
@@ -78,12 +80,12 @@ pub struct Application<
 > {
     board: B,
     line: L,
-    device: Controller<GROUPS, HINGES, SPOKES, KNOTS, P>,
     /// Number of starts (`starts`, resets included), and number of records written (`records`).
     starts: u32,
     records: u32,
     /// Time when the next tick is due, microseconds.
     due: u64,
+    device: Controller<GROUPS, HINGES, SPOKES, KNOTS, P>,
 }
 
 impl<

@@ -103,7 +103,9 @@ pub struct Condition {
 
 /// A controller for at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices, with a queue of
 /// `KNOTS` setpoints. Its frames have tags of a key if `P` is [`Keyed`] and there is a key.
+// In order, for the reason given at `Follower`.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Controller<
     const GROUPS: usize,
     const HINGES: usize,
@@ -112,10 +114,7 @@ pub struct Controller<
     P: Protection = Unkeyed,
 > {
     pub(crate) settings: Settings,
-    pub(crate) loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
     pub(crate) receiver: Receiver<P>,
-    deframer: Deframer<FRAME>,
-    ring: Ring<WAITING>,
     /// `true` if the stop line was drawn since a command was last answered.
     drawn: bool,
     /// State, reason and room that the host was last told, and whether the stop line holds.
@@ -128,6 +127,9 @@ pub struct Controller<
     greeted: Option<u64>,
     snapshot: Snapshot<GROUPS>,
     window: Window,
+    deframer: Deframer<FRAME>,
+    ring: Ring<WAITING>,
+    pub(crate) loader: Loader<GROUPS, HINGES, SPOKES, KNOTS>,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>

@@ -16,19 +16,17 @@ use crate::sheet::Sheet;
 const PARTS: u32 = 1;
 
 /// A follower, and what the host has sent for it.
+// In order, for the reason given at `Follower`.
 #[derive(Debug)]
+#[repr(C)]
 pub(crate) struct Loader<
     const GROUPS: usize,
     const HINGES: usize,
     const SPOKES: usize,
     const KNOTS: usize,
 > {
-    pub(crate) sheet: Sheet<GROUPS, HINGES, SPOKES>,
-    pub(crate) follower: Follower<f32, GROUPS, KNOTS>,
     /// Hinge that is watched or moved alone. There is none on a path.
     pub(crate) jog: Jog,
-    /// Groups of the next setpoint that have come in earlier items.
-    staged: Vec<Node<f32>, GROUPS>,
     /// `true` while a setpoint is checked.
     pub(crate) checks: bool,
     /// `true` if the path is that of the open session.
@@ -37,6 +35,10 @@ pub(crate) struct Loader<
     /// that of the position that the follower tells.
     pub(crate) path: u32,
     pub(crate) on: u32,
+    /// Groups of the next setpoint that have come in earlier items.
+    staged: Vec<Node<f32>, GROUPS>,
+    pub(crate) follower: Follower<f32, GROUPS, KNOTS>,
+    pub(crate) sheet: Sheet<GROUPS, HINGES, SPOKES>,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
@@ -69,6 +71,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 
     /// Returns the number of items for which there is room: fewer than 2¹⁵, so that numbers of items modulo 2¹⁶ have an
     /// order. There is none while the sheet moves on the path of another host.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     pub(crate) fn room(&self) -> u16 {
         let follower = &self.follower;
         let ready = follower.is_under_way() || follower.state() == State::Ready;

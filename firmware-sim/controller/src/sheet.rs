@@ -14,19 +14,21 @@ use heapless::Vec;
 use crate::controller::Settings;
 
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
+// In order, for the reason given at `Follower`.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> {
     head: Option<SheetHead>,
-    limits: Vec<GroupLimits, GROUPS>,
-    /// Code of each hinge, see [`path::hinge`]: of the sheet that is received, and of the sheet that is driven.
-    hinges: Vec<u16, HINGES>,
-    driven: Vec<u16, HINGES>,
-    spokes: Vec<Spoke<f32>, SPOKES>,
-    ends: Vec<u32, SPOKES>,
     /// Checksum of what tells this sheet from others: its counts, hinges and spokes.
     sum: u32,
     /// `true` once the sheet is driven.
     adopted: bool,
+    limits: Vec<GroupLimits, GROUPS>,
+    spokes: Vec<Spoke<f32>, SPOKES>,
+    ends: Vec<u32, SPOKES>,
+    /// Code of each hinge, see [`path::hinge`]: of the sheet that is received, and of the sheet that is driven.
+    hinges: Vec<u16, HINGES>,
+    driven: Vec<u16, HINGES>,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Default
@@ -211,6 +213,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
 
     /// Returns the sheet and the place on its path at which to begin, if the sheet is complete.
     #[must_use]
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     pub fn view(&self) -> Option<(SheetView<'_, f32>, SheetHead)> {
         let head = self.head?;
         let counts = [self.limits.len(), self.hinges.len(), self.spokes.len()];
