@@ -162,7 +162,7 @@ impl<T: Scalar> Curve<T> {
     #[must_use]
     pub fn half_angle(&self, s: T) -> HalfAngle<T> {
         match self {
-            Self::Angle(angle) => HalfAngle::of(value(angle, s)),
+            Self::Angle(angle) => half_angle(value(angle, s)),
             Self::HalfAngle { cos, sin } => {
                 let (cos, sin) = (value(cos, s), value(sin, s));
                 let scale = T::one() / (cos * cos + sin * sin).sqrt();

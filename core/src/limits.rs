@@ -32,6 +32,8 @@ impl<T: Scalar> GroupLimits<T> {
     }
 
     /// Returns `true` if the angles are finite and in order, and speed and acceleration are above 0.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     #[must_use]
     pub fn are_sound(&self) -> bool {
         let angles = self.lower.is_finite() && self.upper.is_finite() && self.lower <= self.upper;

@@ -190,6 +190,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     /// Returns the position of the commanded angles: on this path, or on the path before if this one has not begun.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
     #[must_use]
     pub fn position(&self) -> FollowerPosition<T> {
         let here = self.queue.position().filter(|_| self.begun);
