@@ -212,9 +212,9 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     }
 
     /// Returns the sheet and the place on its path at which to begin, if the sheet is complete.
-    #[must_use]
     // Not inlined, so that an image has it once.
     #[inline(never)]
+    #[must_use]
     pub fn view(&self) -> Option<(SheetView<'_, f32>, SheetHead)> {
         let head = self.head?;
         let counts = [self.limits.len(), self.hinges.len(), self.spokes.len()];

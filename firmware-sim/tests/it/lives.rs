@@ -1,7 +1,7 @@
 //! Whole lives of controllers: power cuts, resets, stops, faults, hosts that come and go, buttons that play a path from
-//! flash, frames that are forged or played back, with and without a key. Whatever happens, on every tick no hinge moves before its place is known, none while a stop
-//! or a fault is latched, none faster than its path and its board allow, the commanded angles close, and the host is told
-//! why nothing moves.
+//! flash, frames that are forged or played back, with and without a key. Whatever happens, on every tick no hinge moves
+//! before its place is known, none while a stop or a fault is latched, none faster than its path and its board allow, the
+//! commanded angles close, and the host is told why nothing moves.
 //!
 //! The fuzzer (`fuzz/`) has a model of single frames; here the whole main loop runs, with its records and its hinges.
 
@@ -234,7 +234,7 @@ impl<'a, P: Protection> Life<'a, P> {
         self.player = self.fresh;
     }
 
-    /// Presses a button, or two shortly one after the other.
+    /// Presses a button, and runs for a while.
     fn presses(&mut self, mut player: Player<'a>) {
         self.hears = false;
         match self.below(4) {
