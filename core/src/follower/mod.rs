@@ -45,8 +45,8 @@ pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
-// Fields are in this order, with large ones last, because a Cortex-M reaches only the first 4 kB of a struct by one
-// instruction. The same is true of what holds a follower.
+// Fields are in this order, with large ones last, because a Cortex-M4 reaches only the first 4 kB of a struct by one
+// instruction, and 1 kB for floating-point numbers. The same is true of what holds a follower.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {

@@ -3,6 +3,8 @@
 //! The enumerations here and in [`wire::message`](crate::wire::message) list all variants, so that a program that matches
 //! them misses none. A new variant changes the protocol, and is a new minor version of this crate before 1.0.
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Scalar;
@@ -56,6 +58,20 @@ pub enum Fault {
     Stalled(u32),
     /// The next command of this group would have been farther away than its largest speed allows.
     Leap(u16),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stalled(hinge) => write!(f, "hinge {hinge} has stalled"),
+            Self::Leap(group) => {
+                write!(
+                    f,
+                    "group {group} would have moved farther in a tick than it may"
+                )
+            }
+        }
+    }
 }
 
 impl Fault {
@@ -153,6 +169,37 @@ pub enum Denial {
     /// The angle is no number or beyond the limits of the board for its hinge, or the board has no such hinge.
     Range,
 }
+
+impl fmt::Display for Denial {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::State => f.write_str("the controller cannot do that in its state"),
+            Self::Moving => f.write_str("the sheet still moves"),
+            Self::Groups => f.write_str("the controller has another number of crease groups"),
+            Self::Empty => f.write_str("no setpoint is queued"),
+            Self::Place => {
+                f.write_str("the sheet does not stand on the first segment that was sent")
+            }
+            Self::Jump(group) => write!(f, "group {group} stands elsewhere than the path begins"),
+            Self::Held => f.write_str("something holds the motion"),
+            Self::Unknown(group) => write!(
+                f,
+                "the controller does not know where group {group} stands, and measures none of its hinges"
+            ),
+            Self::Spread(group) => {
+                write!(
+                    f,
+                    "the hinges of group {group} are measured at different angles"
+                )
+            }
+            Self::Range => f.write_str(
+                "the angle is beyond the limits of the controller's board for this hinge",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Denial {}
 
 impl Denial {
     /// Returns what is encoded.

@@ -3,6 +3,8 @@
 //! [`ToDevice::Hello`] and [`ToHost::Mismatch`] keep their encoding in all versions, so that two ends that do not
 //! understand each other can at least say so.
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Interpolation;
@@ -294,6 +296,34 @@ pub enum ItemRefusal {
     /// The closure residual asked for is no number, or more than the controller allows.
     Closure,
 }
+
+impl fmt::Display for ItemRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Setpoint(refusal) => write!(f, "a setpoint was refused: {refusal}"),
+            Self::Path(denial) => write!(f, "the path was refused: {denial}"),
+            Self::Room => {
+                f.write_str("the sheet was refused: the controller has not enough room for it")
+            }
+            Self::Pieces | Self::Incomplete => {
+                f.write_str("the sheet was refused: its pieces do not fit together")
+            }
+            Self::Limits(group) => write!(
+                f,
+                "the limits of group {group} were refused: the board's own limits leave nothing of them"
+            ),
+            Self::Hinge(hinge) => write!(f, "hinge {hinge} was refused: it has no group"),
+            Self::Stars => f.write_str(
+                "the essential vertices were refused: they are not sound, or there is none",
+            ),
+            Self::Closure => f.write_str(
+                "the sheet was refused: its path is open by more than the controller allows",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ItemRefusal {}
 
 impl ItemRefusal {
     fn numbers(self) -> Numbers {

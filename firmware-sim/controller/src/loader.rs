@@ -35,9 +35,9 @@ pub(crate) struct Loader<
     /// that of the position that the follower tells.
     pub(crate) path: u32,
     pub(crate) on: u32,
+    pub(crate) follower: Follower<f32, GROUPS, KNOTS>,
     /// Groups of the next setpoint that have come in earlier items.
     staged: Vec<Node<f32>, GROUPS>,
-    pub(crate) follower: Follower<f32, GROUPS, KNOTS>,
     pub(crate) sheet: Sheet<GROUPS, HINGES, SPOKES>,
 }
 

@@ -36,9 +36,9 @@ impl fmt::Display for PlayRefusal {
         match self {
             Self::Host => f.write_str("a host was heard within the last second"),
             Self::Done => f.write_str("the path has ended, and there is no way back"),
-            Self::Fault(fault) => write!(f, "the motion has failed: {fault:?}"),
-            Self::Denied(denial) => write!(f, "the controller denies it: {denial:?}"),
-            Self::Item(refusal) => write!(f, "the controller refuses the file: {refusal:?}"),
+            Self::Fault(fault) => fault.fmt(f),
+            Self::Denied(denial) => denial.fmt(f),
+            Self::Item(refusal) => refusal.fmt(f),
         }
     }
 }

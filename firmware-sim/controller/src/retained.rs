@@ -17,7 +17,18 @@ pub const fn size(groups: usize) -> usize {
     HEAD + 4 * groups
 }
 
-/// The two records of a board in RAM, of `SIZE` bytes each, for a section that is not written at start: all bytes are valid.
+/// The two records of a board in RAM, of `SIZE` bytes each.
+///
+/// They belong in a section that the start of a program leaves as it is: then a reset leaves them as they are, and the zeros
+/// of [`new`](Self::new) are never written. All bytes are valid, so that memory may hold anything when the power comes.
+///
+/// ```
+/// # use foldpath_controller::retained::{self, Records};
+/// // On a board: #[unsafe(link_section = ".uninit.records")]
+/// static RECORDS: Records<{ retained::size(2) }> = Records::new();
+/// ```
+///
+/// Bytes beyond `SIZE`, and of records other than 0 and 1, are neither written nor read.
 #[derive(Debug)]
 pub struct Records<const SIZE: usize>([[AtomicU8; SIZE]; 2]);
 

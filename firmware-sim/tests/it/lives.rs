@@ -5,8 +5,8 @@
 //!
 //! The fuzzer (`fuzz/`) has a model of single frames; here the whole main loop runs, with its records and its hinges.
 
-use foldpath_controller::{Player, stored};
-use foldpath_core::follower::{FollowerPosition, Reason, State};
+use foldpath_controller::{PlayRefusal, Player, stored};
+use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::frame;
@@ -51,6 +51,7 @@ struct Tally {
     told: u64,
     /// Ticks in which a hinge moved on a path that a button plays.
     played: u64,
+    /// Stops and faults that a button undid.
     released: u64,
 }
 
@@ -234,26 +235,40 @@ impl<'a, P: Protection> Life<'a, P> {
         self.player = self.fresh;
     }
 
-    /// Presses a button, and runs for a while.
+    /// Presses a button, and runs for a while. Nothing undoes a stop line or a fault but the release.
     fn presses(&mut self, mut player: Player<'a>) {
-        self.hears = false;
-        match self.below(4) {
-            0 => {
-                player.release();
-                self.tally.released += 1;
-            }
-            1 => player.press(),
+        let before = self.machine.condition();
+        let latched = before.stopped || before.fault.is_some();
+        let releases = self.below(if latched { 2 } else { 4 }) == 0;
+        match self.below(3) {
+            _ if releases => player.release(),
+            0 => player.press(),
             // An operator lays a limp sheet flat, and says so.
             _ => {
-                if !self.machine.condition().known {
+                if !before.known {
                     self.machine.bench(|bench| bench.stands.fill(0.0));
                 }
                 player.press_flat();
             }
         }
         self.player = Some(player);
+        self.run(5);
+        let refused = self.player.and_then(|player| player.refused());
+        // A button that is heard ends the session of a silent host.
+        self.hears &= refused == Some(PlayRefusal::Host);
+        if releases {
+            self.tally.released += u64::from(latched && refused.is_none());
+        } else if latched {
+            let held = PlayRefusal::Denied(Denial::Held);
+            assert!(
+                matches!(refused, Some(PlayRefusal::Host | PlayRefusal::Fault(_)))
+                    || refused == Some(held),
+                "{refused:?} {before:?}"
+            );
+        }
         let millis = self.below(300);
         self.run(millis);
+        self.is_told();
     }
 
     fn happens(&mut self) {
@@ -360,5 +375,5 @@ fn in_no_life_does_a_hinge_move_that_must_not() {
         "{sum:?}"
     );
     assert!(sum.forged > 10_000 && sum.told > 500, "{sum:?}");
-    assert!(sum.played > 10_000 && sum.released > 400, "{sum:?}");
+    assert!(sum.played > 10_000 && sum.released > 50, "{sum:?}");
 }

@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
+use foldpath_controller::retained::Records;
 use foldpath_controller::{Application, Board, Condition, Settings};
 use foldpath_controller::{retained, stored};
 use foldpath_core::follower::{FollowerPosition, Measurement, Target};
@@ -101,7 +102,7 @@ pub(crate) struct Bench {
     pub(crate) commands: Vec<Option<f32>>,
     pub(crate) conditions: Vec<Condition>,
     pub(crate) ticks: usize,
-    pub(crate) records: [Vec<u8>; 2],
+    pub(crate) records: Records<{ retained::size(94) }>,
     /// Angle at which each hinge stands. A hinge follows its command, and stays where it is without one.
     pub(crate) stands: Vec<f32>,
     /// `true` if the drives let go of the hinges in a reset.
@@ -168,15 +169,11 @@ impl Board for Shared {
     }
 
     fn keep(&mut self, record: usize, at: usize, bytes: &[u8]) {
-        let record = &mut self.0.borrow_mut().records[record];
-        record.resize(Self::RECORD, 0);
-        record[at..at + bytes.len()].copy_from_slice(bytes);
+        self.0.borrow().records.keep(record, at, bytes);
     }
 
     fn kept(&mut self, record: usize, at: usize, bytes: &mut [u8]) {
-        let record = &mut self.0.borrow_mut().records[record];
-        record.resize(Self::RECORD, 0);
-        bytes.copy_from_slice(&record[at..at + bytes.len()]);
+        self.0.borrow().records.kept(record, at, bytes);
     }
 
     fn key(&mut self) -> StoredKey {
@@ -287,8 +284,10 @@ impl<const G: usize, P: Protection> Machine<G, P> {
     pub(crate) fn cut_power(&mut self, nonce: u64) {
         let mut rng = Random::new(nonce);
         self.bench(|bench| {
-            for byte in bench.records.iter_mut().flatten() {
-                [*byte, ..] = rng.next_u32().to_le_bytes();
+            let mut bytes = [0; retained::size(94)];
+            for record in 0..2 {
+                rng.fill_bytes(&mut bytes);
+                bench.records.keep(record, 0, &bytes);
             }
         });
         self.nonce = nonce;

@@ -1024,7 +1024,7 @@ pub(crate) struct LineArgs {
     /// sheet, with frames that were recorded either. sim and qemu start a controller that has the key.
     #[arg(long, value_name = "FILE")]
     pub(crate) key: Option<PathBuf>,
-    /// With tcp: send without a key, so that anybody on the network may move the sheet
+    /// With tcp: send without a key, so that anybody on the network may move its hinges
     #[arg(long, conflicts_with = "key")]
     pub(crate) insecure: bool,
 }

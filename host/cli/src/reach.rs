@@ -18,8 +18,8 @@ pub(crate) fn key(to: &Target, line: &LineArgs, quiet: bool) -> Result<Option<Ke
     let key = line.key.as_deref().map(|path| key::read(path, quiet));
     let key = key.transpose()?;
     if matches!(to, Target::Tcp(_)) && key.is_none() && !line.insecure {
-        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move the \
-                    sheet";
+        let what = "--to tcp: expected --key FILE, or --insecure: without a key anybody on the network may move its \
+                    hinges";
         return Err(CliError::Usage(what.into()));
     }
     if line.insecure && !matches!(to, Target::Tcp(_)) {
@@ -29,7 +29,8 @@ pub(crate) fn key(to: &Target, line: &LineArgs, quiet: bool) -> Result<Option<Ke
     Ok(key)
 }
 
-/// Opens the line to a controller. Returns its name and the link, or why there is none.
+/// Opens the line to a controller; sim is one of hinges without a sheet ([`Sim::bench`]). Returns its name and the link, or
+/// why there is none.
 ///
 /// # Errors
 /// If there is no image for the emulated board.

@@ -17,12 +17,13 @@ pub(super) fn reason(reason: Reason) -> String {
         }
         Reason::Session => "the sheet moved for another host when this one came".into(),
         Reason::Refused(refusal) => format!("a setpoint was refused: {refusal}"),
-        Reason::Fault(Fault::Stalled(hinge)) => {
-            format!("hinge {hinge} has stalled; --resume goes on once it is free")
+        Reason::Fault(fault) => {
+            let on = match fault {
+                Fault::Stalled(_) => "once it is free",
+                Fault::Leap(_) => "from where it stands",
+            };
+            format!("{fault}; --resume goes on {on}")
         }
-        Reason::Fault(Fault::Leap(group)) => format!(
-            "group {group} would have moved farther in a tick than it may; --resume goes on from where it stands"
-        ),
         Reason::Approach => "the groups approach the beginning of the path".into(),
         Reason::Lease => "the path time has reached its bound".into(),
     }
@@ -53,28 +54,14 @@ pub(super) fn failed(why: Reason, stopped: bool) -> String {
 
 /// Explains why a command is not carried out.
 pub(super) fn denial(denial: Denial) -> String {
-    match denial {
-        Denial::State => "the controller cannot do that in its state".into(),
-        Denial::Moving => "the sheet still moves".into(),
-        Denial::Groups => "the controller has another number of crease groups".into(),
-        Denial::Empty => "no setpoint is queued".into(),
-        Denial::Place => "the sheet does not stand on the first segment that was sent".into(),
-        Denial::Jump(group) => format!(
-            "group {group} stands elsewhere than the path begins; --resume begins where it stands"
-        ),
-        Denial::Held => "something holds the motion".into(),
-        Denial::Unknown(group) => format!(
-            "the controller does not know where group {group} stands, and measures none of its hinges; --at flat, \
-             --at goal or --at start says where the sheet stands"
-        ),
-        Denial::Spread(group) => format!(
-            "the hinges of group {group} are measured at different angles; --at flat, --at goal or --at start says where \
-             the sheet stands"
-        ),
-        Denial::Range => {
-            "the angle is beyond the limits of the controller's board for this hinge".into()
+    let on = match denial {
+        Denial::Jump(_) => "; --resume begins where it stands",
+        Denial::Unknown(_) | Denial::Spread(_) => {
+            "; --at flat, --at goal or --at start says where the sheet stands"
         }
-    }
+        _ => "",
+    };
+    format!("{denial}{on}")
 }
 
 /// Explains why an item of the path was refused; `knot` is the number of the knot that the controller expected next, and
@@ -94,21 +81,7 @@ pub(super) fn refusal(refusal: ItemRefusal, knot: u64, room: Option<Capacity>) -
                 "the sheet was refused: the controller has room for {groups} groups, {hinges} hinges and {spokes} spokes"
             )
         }
-        ItemRefusal::Pieces | ItemRefusal::Incomplete => {
-            "the sheet was refused: its pieces do not fit together".into()
-        }
-        ItemRefusal::Limits(group) => {
-            format!(
-                "the limits of group {group} were refused: the board's own limits leave nothing of them"
-            )
-        }
-        ItemRefusal::Hinge(hinge) => format!("hinge {hinge} was refused: it has no group"),
-        ItemRefusal::Stars => {
-            "the essential vertices were refused: they are not sound, or there is none".into()
-        }
-        ItemRefusal::Closure => {
-            "the sheet was refused: its path is open by more than the controller allows".into()
-        }
+        refusal => refusal.to_string(),
     }
 }
 

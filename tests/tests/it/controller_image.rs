@@ -232,7 +232,7 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
         }
         world.freeze();
         let before = world.sight.unwrap();
-        let frozen = world.board.micros();
+        let age = world.board.since(before.time);
         world.board.reset();
         world.until(|world| world.failure(0).is_some());
         assert_eq!(world.failure(0), Some(Failure::Lost));
@@ -248,7 +248,7 @@ fn after_a_warm_reset_the_fold_goes_on_from_the_last_executed_setpoint() {
         let place = world.sight.unwrap().place;
         let gone = FOLD.time(place) - FOLD.time(before.place);
         // The motion went on behind the last telemetry, which a busy machine may have held up, at most at its full rate.
-        let most = Duration::from_micros(frozen - before.time).as_secs_f64() + 2e-3;
+        let most = age.as_secs_f64() + 2e-3;
         assert!((0.0..=most).contains(&gone), "{gone} of {most}");
         if stopped {
             assert_eq!(reason(&world), Reason::StopLine);
@@ -271,12 +271,12 @@ fn a_stack_that_grows_into_its_guard_resets_the_board_and_the_fold_goes_on() {
         world.freeze();
         let before = world.sight.unwrap();
         let left = u32::try_from(rng(1400 + seed).next_u64() % 128).unwrap();
-        let start = world.board.micros();
+        let (start, age) = (world.board.micros(), world.board.since(before.time));
         world.board.deepen_stack(left);
         // The watchdog would take a second, as the test below shows.
         let after = world.until_reset(start);
         assert!(after < 500_000, "{after}");
-        resumes(&mut world, before, start);
+        resumes(&mut world, before, age);
     });
 }
 
@@ -288,17 +288,17 @@ fn a_main_loop_that_hangs_resets_the_board_and_the_fold_goes_on() {
         world.run_into(moment(seed));
         world.freeze();
         let before = world.sight.unwrap();
-        let start = world.board.micros();
+        let (start, age) = (world.board.micros(), world.board.since(before.time));
         world.board.hang(tick);
         let after = world.until_reset(start);
         assert!((500_000..2_100_000).contains(&after), "{after}");
-        resumes(&mut world, before, start);
+        resumes(&mut world, before, age);
     });
 }
 
-/// Waits until the host notices the reset of a board that was frozen at this time. Another host then goes on from the
-/// setpoint that was executed last.
-fn resumes(world: &mut World<'_>, before: Sight, frozen: u64) {
+/// Waits until the host notices the reset of a board that was frozen so long after it told something. Another host then goes
+/// on from the setpoint that was executed last.
+fn resumes(world: &mut World<'_>, before: Sight, age: Duration) {
     world.until(|world| world.failure(0).is_some());
     assert_eq!(world.failure(0), Some(Failure::Lost));
     world.forget();
@@ -306,7 +306,7 @@ fn resumes(world: &mut World<'_>, before: Sight, frozen: u64) {
     world.until(|world| world.report.is_some() && world.sight.is_some());
     let gone = FOLD.time(world.sight.unwrap().place) - FOLD.time(before.place);
     // The board moves on until its stack or main loop fails.
-    let most = Duration::from_micros(frozen - before.time).as_secs_f64() + 0.1;
+    let most = age.as_secs_f64() + 0.1;
     assert!((0.0..=most).contains(&gone), "{gone} of {most}");
     world.finish();
 }

@@ -2,8 +2,6 @@
 //! groups? Each power cut is another process of the emulator, with random bytes in the memory that a reset leaves as it is.
 //! `tests/run full` takes 20 moments of each kind with each number of groups.
 
-use core::time::Duration;
-
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::driver::Persistence;
@@ -154,7 +152,7 @@ fn the_board_is_reset(groups: usize, seed: u64) {
         rig.run(50_000);
     }
     let before = freeze(&mut rig);
-    let frozen = rig.board.micros();
+    let age = rig.board.since(before.time);
     rig.board.reset();
     rig.forget();
     rig.greet(flat.items(), Persistence::None, false);
@@ -167,7 +165,7 @@ fn the_board_is_reset(groups: usize, seed: u64) {
     let (stood, after) = (rig.told[0].clone(), rig.last());
     let gone = flat.time(stood.place) - flat.time(before.place);
     // The motion went on behind the last telemetry, which a busy machine may have held up, at most at its full rate.
-    let most = Duration::from_micros(frozen - before.time).as_secs_f32() + 2e-3;
+    let most = age.as_secs_f32() + 2e-3;
     assert!((0.0..=most).contains(&gone), "{gone} of {most}");
     assert_eq!((after.place, &after.angles), (stood.place, &stood.angles));
     if stops {

@@ -150,14 +150,24 @@ impl Board {
         self.thaw();
     }
 
-    /// Returns the microseconds of the board's clock, from the count of its timer. The timer runs down at 25 MHz, and
-    /// is 0 before it starts.
+    /// Returns the microseconds of the board's clock modulo 171.8 s, from the count of its timer.
     pub(crate) fn micros(&mut self) -> u64 {
+        u64::from(self.passed()) / 25
+    }
+
+    /// Returns how long ago the board told this time, which was less than 171.8 s ago.
+    pub(crate) fn since(&mut self, micros: u64) -> Duration {
+        let then = u32::try_from(25 * micros % (1 << 32)).unwrap();
+        let passed = self.passed().wrapping_sub(then);
+        Duration::from_micros(u64::from(passed) / 25)
+    }
+
+    /// Returns the time that the timer counts, at 25 MHz, modulo 2³². The timer runs down, and is 0 before it starts.
+    fn passed(&mut self) -> u32 {
         let answer = self.monitor("xp /1wx 0x40000004");
         let (_, count) = answer.split_once(": 0x").expect("an address and a word");
         let count = u32::from_str_radix(&count[..8], 16).unwrap();
-        let passed = if count == 0 { 0 } else { u32::MAX - count };
-        u64::from(passed) / 25
+        if count == 0 { 0 } else { u32::MAX - count }
     }
 
     /// Returns `size` bytes of the board's memory.
