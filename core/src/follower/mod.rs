@@ -46,7 +46,7 @@ use survey::Survey;
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
 // Fields are in this order, with large ones last, because a Cortex-M4 reaches only the first 4 kB of a struct by one
-// instruction, and 1 kB for floating-point numbers. The same is true of what holds a follower.
+// instruction, and 1 kB for floating-point numbers. Structs that hold a follower are in order for the same reason.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {

@@ -205,29 +205,16 @@ fn a_stop_in_a_fault(groups: usize, seed: u64) {
     rig.finish();
 }
 
-/// Runs all kinds at this many moments for each number of groups.
-fn moments(counts: [u64; 3]) {
-    image(IMAGE);
-    let _turn = turn();
-    for ((size, groups), count) in (0..).zip(SIZES).zip(counts) {
-        for seed in (0..count).map(|moment| 100 * size + moment) {
-            power_is_cut(groups, seed);
-            the_board_is_reset(groups, seed);
-        }
-        if count > 0 {
-            a_stop_in_a_fault(groups, 100 * size);
-        }
-    }
-}
-
-#[test]
-#[ignore = "takes half a minute: `tests/run full` runs it"]
-fn resets_forget_nothing_and_nothing_moves_after_a_power_cut() {
-    moments([2, 2, 0]);
-}
-
 #[test]
 #[ignore = "takes minutes: `tests/run full` runs it"]
 fn resets_forget_nothing_and_nothing_moves_after_a_power_cut_at_20_moments() {
-    moments([20; 3]);
+    image(IMAGE);
+    let _turn = turn();
+    for (size, groups) in (0..).zip(SIZES) {
+        for seed in (0..20).map(|moment| 100 * size + moment) {
+            power_is_cut(groups, seed);
+            the_board_is_reset(groups, seed);
+        }
+        a_stop_in_a_fault(groups, 100 * size);
+    }
 }
