@@ -107,8 +107,6 @@ pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     fn clear_residuals(&mut self) {}
     /// Adds a new residual for rows that are kept: those of the `block`-th call of [`add`](Accumulate::add), from 0.
     fn add_residual(&mut self, _block: usize, _spokes: &[Spoke<T>], _residual: &Vector3<T>) {}
-    /// Computes an approximate step with this damping and without a factor, if rows are kept.
-    fn inexact_step(&mut self, _damping: T, _step: &mut [T]) {}
     /// Factorises JᵀJ + λI; returns `false` if it is not positive definite in this precision.
     fn factorise(&mut self, damping: T) -> bool;
     /// Solves with the last factor, in place.
@@ -410,9 +408,6 @@ pub enum FactorReuse {
     /// Several steps share a factor as long as they leave little of the residual (chord method): this saves at least
     /// half the factorisations.
     Chord,
-    /// As [`Chord`](FactorReuse::Chord), and steps far from closing are inexact: they come from conjugate gradients
-    /// without a factor. This saves most of the time, but the configuration found is less surely the nearest one.
-    InexactCg,
 }
 
 impl<T: Scalar> Default for Options<T> {

@@ -31,9 +31,7 @@
 //! little (the chord method, chapter 5.4 of [Kelley1995](crate#references)). The matrix J₀ᵀ in front of r has to be the
 //! old one too: with the current Jᵀ the step would have a part along the motion of J₀, which the inverse enlarges by
 //! 1/λ. An unknown that reaches a limit is fixed for the rest of the step. It is taken out of the factor by a Schur
-//! complement ([GillMurraySaundersWright1990](crate#references)), at the cost of one solve. With
-//! [`FactorReuse::InexactCg`], steps far from closing come from [`conjugate_gradients`](crate::conjugate_gradients)
-//! while the linear model lets them close most of what is open.
+//! complement ([GillMurraySaundersWright1990](crate#references)), at the cost of one solve.
 
 use crate::Scalar;
 use crate::dense::{copy, dot};
@@ -54,10 +52,6 @@ const DAMPING_GROWTH: f64 = 16.0;
 /// Largest number of times that one iteration computes its step, each time with more unknowns at their limits. Two or
 /// three times are seen.
 const MAX_ROUNDS: u32 = 8;
-/// Closure residual (about radians) down to which inexact steps are made.
-const MIN_INEXACT_RESIDUAL: f64 = 1e-2;
-/// Fraction of ½‖r‖² by which an inexact step has to reduce the linear model for another inexact step to follow.
-const MIN_INEXACT_REDUCTION_RATIO: f64 = 0.9;
 /// Fraction of the residual that a step may leave if another step with the same factor is to follow. A new factor costs
 /// as much as six to ten such steps. Sheets of 50 to 1,700 unknowns are closed soonest with fractions of 0.1 to 0.5.
 const MAX_CHORD_RESIDUAL_RATIO: f64 = 0.25;
@@ -71,8 +65,7 @@ const PROJECTIONS: u32 = 4;
 ///
 /// Cost of an iteration: one linearisation and one factorisation, and one more factorisation each time that more
 /// unknowns reach their limits. With [`FactorReuse::Chord`] each unknown at a limit costs one solve instead, and some
-/// iterations take several steps with one factor, each for an evaluation without derivatives. With
-/// [`FactorReuse::InexactCg`] some iterations make no factorisation.
+/// iterations take several steps with one factor, each for an evaluation without derivatives.
 pub fn solve<T: Scalar, E: NormalEquations<T>>(
     problem: &mut ClosureProblem<'_, T>,
     equations: &mut E,
@@ -98,7 +91,6 @@ pub fn solve<T: Scalar, E: NormalEquations<T>>(
             cost,
             mu: T::lit(FIRST_MU),
             mu_growth: T::TWO,
-            inexact: options.factor_reuse == FactorReuse::InexactCg,
             report,
         };
         search.report.outcome = search.run();
@@ -123,8 +115,6 @@ struct Search<'a, 'p, T, E> {
     /// μ, and the factor by which the next rejected point raises it.
     mu: T,
     mu_growth: T,
-    /// `true` while steps may be inexact.
-    inexact: bool,
     report: Report<T>,
 }
 
@@ -135,16 +125,12 @@ enum Method {
     NewFactor,
     /// With the last factor.
     LastFactor,
-    /// Approximately, by conjugate gradients on the rows, without a factor.
-    ConjugateGradients,
 }
 
 /// A step within the limits.
 struct Step<T> {
     /// Reduction m(0) − m(d) of the linear model.
     predicted: T,
-    /// Method of the last computation of the step.
-    method: Method,
     /// `true` if the prediction holds to rounding: the factor was made for this step, and no unknown was clamped after
     /// it.
     exact: bool,
@@ -165,9 +151,9 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
             self.report.iterations += 1;
 
             self.fix_blocked_unknowns();
-            let (damping, method) = (self.damping(), self.method());
+            let damping = self.damping();
             copy(self.x, self.trial);
-            let Some(step) = self.bounded_step(damping, method) else {
+            let Some(step) = self.bounded_step(damping, Method::NewFactor) else {
                 return Outcome::Stalled;
             };
             let length = self.measure_step();
@@ -180,7 +166,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
                 copy(self.trial, self.x);
                 return Outcome::Converged;
             }
-            let repeatable = self.repeats(&step);
+            let repeatable = self.reuses_factors();
             let old_rows = repeatable || closes;
             let Some(cost) = self.evaluate_trial(old_rows) else {
                 return Outcome::Capacity;
@@ -225,17 +211,6 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
         self.mu * square
     }
 
-    /// Returns the method for the step of this iteration.
-    fn method(&mut self) -> Method {
-        let least = self.options.acceptable.max(T::lit(MIN_INEXACT_RESIDUAL));
-        self.inexact &= self.report.residual > least;
-        if E::KEEPS_ROWS && self.inexact {
-            Method::ConjugateGradients
-        } else {
-            Method::NewFactor
-        }
-    }
-
     /// Returns `true` if several steps may share a factor.
     fn reuses_factors(&self) -> bool {
         E::KEEPS_ROWS && self.options.factor_reuse != FactorReuse::None
@@ -246,8 +221,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
     ///
     /// An unknown whose step would pass a limit is moved to the limit and fixed. The step of the others is then
     /// computed anew, because it relied on the part that was cut off. For that the unknown is
-    /// [fixed in the factor](NormalEquations::fix_in_factor), unless factors are not reused. An inexact step is replaced
-    /// by one with a factor as soon as it meets a limit.
+    /// [fixed in the factor](NormalEquations::fix_in_factor), unless factors are not reused.
     fn bounded_step(&mut self, mut damping: T, mut method: Method) -> Option<Step<T>> {
         let (mut growth, mut rounds) = (T::zero(), 0);
         loop {
@@ -257,7 +231,7 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
             let gradient = self.equations.gradient();
             let predicted = predicted_reduction(self.step, gradient, damping, scale);
             let (mut cut, mut exact) = (false, method == Method::NewFactor);
-            let mut fixed = self.reuses_factors() && method != Method::ConjugateGradients;
+            let mut fixed = self.reuses_factors();
             let ends = self.step.iter_mut().zip(&mut *self.trial);
             for (index, (step, trial)) in ends.enumerate() {
                 let wanted = *trial + *step * scale;
@@ -274,7 +248,6 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
                 copy(self.step, self.trial);
                 return Some(Step {
                     predicted: predicted - growth,
-                    method,
                     exact,
                 });
             }
@@ -290,7 +263,6 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
     /// damping makes it so.
     fn compute_step(&mut self, mut damping: T, method: Method) -> Option<T> {
         match method {
-            Method::ConjugateGradients => self.equations.inexact_step(damping, self.step),
             Method::LastFactor => self.equations.step(self.step),
             Method::NewFactor => {
                 let unit = self.equations.max_diagonal() * T::EPSILON;
@@ -343,14 +315,6 @@ impl<T: Scalar, E: NormalEquations<T>> Search<'_, '_, T, E> {
             self.report.residual = bound;
         }
         bound <= tolerance
-    }
-
-    /// Returns `true` if steps with the last factor may follow this step.
-    fn repeats(&mut self, step: &Step<T>) -> bool {
-        let inexact = step.method == Method::ConjugateGradients;
-        let least = T::lit(MIN_INEXACT_REDUCTION_RATIO) * self.cost.half_square;
-        self.inexact &= inexact && step.predicted >= least;
-        self.reuses_factors() && !inexact
     }
 
     /// Evaluates the residual at `trial`. With `old_rows` no derivatives are computed: the point probably closes, or the

@@ -86,10 +86,6 @@
 //!   IMA J. Numer. Anal. 8.
 //! - **Raydan1997**: M. Raydan, "The Barzilai and Borwein gradient method for the large scale
 //!   unconstrained minimization problem", SIAM J. Optim. 7.
-//! - **HestenesStiefel1952**: M. R. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems",
-//!   J. Res. Nat. Bur. Standards 49.
-//! - **NashSofer1990**: S. G. Nash, A. Sofer, "Assessing a search direction within a truncated-Newton method", Oper. Res.
-//!   Lett. 9.
 //! - **Fan2012**: J. Fan, "The modified Levenberg-Marquardt method for nonlinear equations with cubic convergence", Math.
 //!   Comp. 81.
 //! - **GillMurraySaundersWright1990**: P. E. Gill, W. Murray, M. A. Saunders, M. H. Wright, "A Schur-complement method for
@@ -107,7 +103,6 @@ pub mod bernstein;
 mod checksum;
 pub mod closure;
 #[cfg(feature = "solvers")]
-pub mod conjugate_gradients;
 mod curve;
 #[cfg(feature = "solvers")]
 mod dense;

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use foldpath::pattern::CreasePattern;
-use foldpath::planner::{Goal, Judged, Outcome, Plan, PlanOptions, plan};
+use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
 use foldpath::read::fold::read_pattern;
 
 const PATTERNS: [&str; 8] = [
@@ -46,17 +46,6 @@ fn without_collision(bencher: divan::Bencher<'_, '_>, name: &str) {
     let (pattern, goal) = read(name);
     let options = PlanOptions {
         collision: false,
-        ..PlanOptions::default()
-    };
-    bencher.bench_local(|| plan(&pattern, &goal, &options));
-}
-
-#[divan::bench(args = PATTERNS)]
-fn at_knots_alone(bencher: divan::Bencher<'_, '_>, name: &str) {
-    let (pattern, goal) = read(name);
-    let options = PlanOptions {
-        judged: Judged::Knots,
-        keep_vertices: false,
         ..PlanOptions::default()
     };
     bencher.bench_local(|| plan(&pattern, &goal, &options));

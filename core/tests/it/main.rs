@@ -2,7 +2,6 @@
 
 mod alike;
 mod closure;
-mod conjugate_gradients;
 mod follower;
 mod holds;
 mod hole;

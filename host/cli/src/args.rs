@@ -12,10 +12,10 @@ use foldpath_firmware_sim::hinges;
 use crate::choice::choice;
 use crate::jobs::Jobs;
 use foldpath::generate::{self, defaults};
-use foldpath::planner::{Judged, Search, Solver, Symmetry, Timing, Vertices};
+use foldpath::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use foldpath::read::{ColourLetters, Straighten};
 use foldpath::request::{
-    CheckRequest, DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Reuse, Skip, Switch,
+    CheckRequest, DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Switch,
 };
 
 /// An interpolation, or none in particular. Under this name clap takes it for one value.
@@ -607,21 +607,12 @@ pub(crate) struct Plan {
     /// Vertices whose closure conditions are solved
     #[arg(long, value_parser = choice::<Vertices>(), default_value = "essential", help_heading = "Method")]
     pub(crate) vertices: Vertices,
-    /// Reuse of a path of the essential crease pattern on the whole sheet
-    #[arg(long, value_parser = choice::<Reuse>(), default_value = "auto", help_heading = "Method")]
-    pub(crate) reuse: Reuse,
+    /// Earlier name: `--reuse off` is `--vertices all`
+    #[arg(long, value_parser = choice::<Symmetry>(), hide = true)]
+    pub(crate) reuse: Option<Symmetry>,
     /// Search for faces that pass through each other
     #[arg(long, value_parser = choice::<Switch>(), default_value = "on", help_heading = "Crossings")]
     pub(crate) collision: Switch,
-    /// Kinds of pairs that the search for crossings must not skip, for comparison; separated by commas
-    #[arg(
-        long,
-        value_parser = choice::<Skip>(),
-        value_delimiter = ',',
-        value_name = "LIST",
-        help_heading = "Crossings"
-    )]
-    pub(crate) no_skip: Vec<Skip>,
     /// Interpolation of the motion between knots
     #[arg(long, value_parser = choice::<AnyInterpolation>(), default_value = "auto", help_heading = "Path written")]
     pub(crate) interpolation: AnyInterpolation,
@@ -641,9 +632,6 @@ pub(crate) struct Plan {
     /// Time law along the path
     #[arg(long, value_parser = choice::<Timing>(), default_value = "optimal", help_heading = "Path written")]
     pub(crate) pace: Timing,
-    /// Part of the path that is judged
-    #[arg(long, value_parser = choice::<Judged>(), default_value = "motion", help_heading = "Method")]
-    pub(crate) judge: Judged,
     /// Largest number of knots of the path [default: no limit]
     #[arg(long, value_name = "N", help_heading = "Path written")]
     pub(crate) max_knots: Option<usize>,
@@ -689,15 +677,15 @@ impl Plan {
             keep: self.keep,
             contact: self.contact,
             symmetry: self.symmetry,
-            vertices: self.vertices,
-            reuse: self.reuse,
+            vertices: match self.reuse {
+                Some(Symmetry::Off) => Vertices::All,
+                _ => self.vertices,
+            },
             collision: self.collision,
-            no_skip: self.no_skip.clone(),
             interpolation: self.interpolation,
             max_speed: self.max_speed,
             max_accel: self.max_accel,
             pace: self.pace,
-            judge: self.judge,
             max_knots: self.max_knots,
             frames: self.frames,
             solver: self.solver,

@@ -26,9 +26,8 @@ mod tolerances;
 mod variation;
 
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
-pub use lattice::LatticeScene;
 pub use pieces::contact_tolerance;
-pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn, lattice_scene};
+pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn};
 pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
 pub(crate) use separation::face_distance;

@@ -15,7 +15,6 @@
 
 use foldpath_core::{Curve, Membership};
 
-use super::lattice::LatticeScene;
 use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
@@ -158,21 +157,4 @@ impl SearchedMotion<'_> {
             counts: sweep.counts(),
         }
     }
-}
-
-/// Returns the scene that judges single shapes along the lattice, if faces are near enough to where the lattice has them
-/// on a sheet that closes to within `closure` and has gaps of `gap` median edges. Without it, a
-/// [`CollisionScene`](super::CollisionScene) judges all faces.
-pub(crate) fn lattice_scene<'a>(
-    pattern: &'a CreasePattern,
-    memberships: &[Membership],
-    groups: usize,
-    lattice: &'a Lattice,
-    [closure, gap]: [f64; 2],
-) -> Option<LatticeScene<'a>> {
-    let deviation = lattice.lattice_deviation(pattern, closure);
-    if is_torn(deviation.max(gap)) {
-        return None;
-    }
-    LatticeScene::new(pattern, memberships, groups, lattice)
 }

@@ -54,9 +54,6 @@ impl Display for Undecided {
                 f,
                 "the path was not judged to its end: time ran out while {at}"
             ),
-            Self::JudgedAtKnots => f.write_str(
-                "judged at its knots alone: of the motion between them nothing is known",
-            ),
             Self::Crossings { faces, segment } => {
                 f.write_str("crossings are not decided: the search gave up")?;
                 if let Some([a, b]) = faces {
@@ -161,10 +158,6 @@ impl Display for Reason {
             Self::TooManyKnots { budget } => write!(
                 f,
                 "the bound needs more than {budget} knots with this interpolation"
-            ),
-            Self::TooManyWaypoints { budget, found } => write!(
-                f,
-                "expected at most {budget} knots, found {found}, no fewer of which are judged alone"
             ),
             Self::Crosses {
                 faces: [a, b],

@@ -96,8 +96,7 @@ pub use following::mobility::{FirstStep, Mobility};
 pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use options::{
-    HingeLimit, Judged, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing,
-    Vertices,
+    HingeLimit, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices,
 };
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;

@@ -60,22 +60,6 @@ pub enum Timing {
     Sparse,
 }
 
-/// Part of a path that is judged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Judged {
-    /// The whole motion, certified between knots, with as few knots as keep it within the bound.
-    #[default]
-    Motion,
-    /// The knots alone. This takes less time, for a first look.
-    ///
-    /// Configurations no farther from each other than the largest step become the knots; the motion between them is not
-    /// judged. Hinges turn evenly from knot to knot, whatever interpolation and pace are asked for, and without a limit
-    /// on their acceleration. Between start and goal, a sheet without symmetry is closed only to a hundredth of the
-    /// residual that the bound allows. If the knots keep no vertices, errors at them are not measured but bounded by
-    /// the closure of the essential vertices, provided that this keeps the bound.
-    Knots,
-}
-
 /// Pairs of faces that the search for crossings skips. Each kind may be looked at, to compare: the verdict stays the
 /// same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,8 +114,6 @@ pub struct PlanOptions {
     pub symmetry: Symmetry,
     /// Vertices whose closure conditions are solved.
     pub vertices: Vertices,
-    /// Part of the path that is judged.
-    pub judged: Judged,
     /// `true` to look for faces that pass through each other.
     pub collision: bool,
     /// Pairs of faces that this search skips.
@@ -173,7 +155,6 @@ impl Default for PlanOptions {
             bend: 0.0,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
-            judged: Judged::default(),
             collision: true,
             skips: Skips::default(),
             interpolation: None,
@@ -282,13 +263,6 @@ impl PlanOptions {
         positive("max_step", self.max_step)?;
         positive("max_speed", self.max_speed)?;
         positive("max_acceleration", self.max_acceleration.unwrap_or(1.0))?;
-        if let (Judged::Knots, Some(found)) = (self.judged, self.max_acceleration) {
-            return Err(OptionsError {
-                option: "max_acceleration",
-                expected: "none where knots alone are judged, as they are joined straight",
-                found: found.to_degrees(),
-            });
-        }
         if self.max_speed < MIN_SPEED_RAD_PER_S {
             return Err(OptionsError {
                 option: "max_speed",

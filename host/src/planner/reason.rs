@@ -55,8 +55,6 @@ pub enum TimeoutAt {
 pub enum Undecided {
     /// Time ran out before the path was judged to its end.
     OutOfTime(TimeoutAt),
-    /// Nothing is known of the motion between knots.
-    JudgedAtKnots,
     /// The search for crossings gave up.
     Crossings {
         /// The two faces that are not decided, if they are known.
@@ -149,13 +147,6 @@ pub enum Reason {
     TooManyKnots {
         /// Largest number of knots.
         budget: usize,
-    },
-    /// The path has more configurations than knots are allowed, and all of them are needed as knots.
-    TooManyWaypoints {
-        /// Largest number of knots.
-        budget: usize,
-        /// Number of configurations.
-        found: usize,
     },
     /// Faces pass through each other on the way.
     Crosses {

@@ -10,6 +10,7 @@ use super::check::CheckRequest;
 use super::error::RequestError;
 use super::names::{Named, value_of};
 use super::options::{PlanRequest, ReadingRequest};
+use crate::planner::{Symmetry, Vertices};
 
 impl PlanRequest {
     /// Sets the option `name`, with `_` or `-` between its words.
@@ -36,14 +37,18 @@ impl PlanRequest {
             "contact" => self.contact = Some(given.number()?),
             "symmetry" => self.symmetry = given.named()?,
             "vertices" => self.vertices = given.named()?,
-            "reuse" => self.reuse = given.named()?,
+            "reuse" => {
+                // The name of this option before there was `vertices`.
+                self.vertices = match given.named()? {
+                    Symmetry::Auto => Vertices::Essential,
+                    Symmetry::Off => Vertices::All,
+                }
+            }
             "collision" => self.collision = given.named()?,
-            "no_skip" => self.no_skip = given.named_each()?,
             "interpolation" => self.interpolation = given.named()?,
             "max_speed" => self.max_speed = given.number()?,
             "max_accel" => self.max_accel = Some(given.number()?),
             "pace" => self.pace = given.named()?,
-            "judge" => self.judge = given.named()?,
             "max_knots" => self.max_knots = Some(given.count()?),
             "frames" => self.frames = given.named()?,
             "solver" => self.solver = given.named()?,
@@ -194,13 +199,6 @@ impl<'a> Given<'a> {
     fn named<T: Named>(&self) -> Result<T, RequestError> {
         self.named_as(&self.text()?)
     }
-
-    /// Returns values whose names may also be joined by commas.
-    fn named_each<T: Named>(&self) -> Result<Vec<T>, RequestError> {
-        let texts = self.texts()?;
-        let names = texts.iter().flat_map(|text| text.split(','));
-        names.map(|name| self.named_as(name)).collect()
-    }
 }
 
 #[cfg(test)]
@@ -215,10 +213,8 @@ mod tests {
         let other: Map<String, Value> = json!({
             "goal": "a.fold", "fold": 0.5, "crease": ["4=-45", "5=30"], "via": ["b.fold"],
             "goal_tolerance": 2.0, "limit": ["7=-30..60"], "bound": 1e-3, "bend": 1.0, "keep": true,
-            "contact": 1e-5, "symmetry": "off", "vertices": "all", "reuse": "off",
-            "collision": "off", "no_skip": ["motion", "edges"], "interpolation": "half-angle",
-            "max_speed": 10.0, "max_accel": 90.0, "pace": "sparse", "judge": "knots",
-            "max_knots": 9, "frames": "angles", "solver": "gradient", "search": "random",
+            "contact": 1e-5, "symmetry": "off", "vertices": "all", "collision": "off", "interpolation": "half-angle",
+            "max_speed": 10.0, "max_accel": 90.0, "pace": "sparse", "max_knots": 9, "frames": "angles", "solver": "gradient", "search": "random",
             "objective": "sum", "seed": 7, "timeout": 2.0, "tolerance": 1e-3, "straighten": "on",
             "colors": "red=V",
         })

@@ -49,7 +49,7 @@ pub use check::{CheckJson, CheckRequest};
 pub use error::RequestError;
 pub use hints::radians_hint;
 pub use info::{CauseJson, PatternInfo, PatternInfoJson, Room};
-pub use names::{Frames, Named, Reuse, Skip, Switch, name_of, value_of};
+pub use names::{Frames, Named, Switch, name_of, value_of};
 pub use options::{PlanRequest, ReadingRequest, timeout};
 pub use plan::{PlanTask, Planned};
 pub use plan_json::{InputJson, PlanJson};

@@ -3,7 +3,7 @@
 use foldpath_core::{Interpolation, Objective};
 use serde::{Serialize, Serializer};
 
-use crate::planner::{Judged, Search, Solver, Symmetry, Timing, Vertices};
+use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::Straighten;
 
 /// A type whose values have names on the command line and in JSON.
@@ -38,24 +38,6 @@ pub(super) fn by_name<T: Named, S: Serializer>(
     name_of(*value).serialize(serializer)
 }
 
-/// Serialises values as their names.
-pub(super) fn by_names<T: Named, S: Serializer>(
-    values: &[T],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(values.iter().map(|value| name_of(*value)))
-}
-
-/// Reuse of a path of the essential crease pattern on the whole sheet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reuse {
-    /// Plans on the essential crease pattern.
-    #[default]
-    Auto,
-    /// Plans on the closure of all vertices.
-    Off,
-}
-
 /// Something that is done or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Switch {
@@ -64,19 +46,6 @@ pub enum Switch {
     On,
     /// It is not done.
     Off,
-}
-
-/// A kind of pairs of faces that the search for crossings skips.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Skip {
-    /// Pairs that move like another pair.
-    Symmetry,
-    /// Pairs that cannot have met since they were last looked at.
-    Motion,
-    /// Pairs whose bounding volumes are apart.
-    Bounds,
-    /// Pairs joined by an edge.
-    Edges,
 }
 
 /// Data that each knot of a written path stores.
@@ -108,17 +77,6 @@ impl Named for Vertices {
             "One vertex for each distinct closure condition",
         ),
         ("all", Self::All, "All vertices"),
-    ];
-}
-
-impl Named for Reuse {
-    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
-        (
-            "auto",
-            Self::Auto,
-            "Plan on the essential crease pattern and reuse the path on the whole sheet",
-        ),
-        ("off", Self::Off, "Plan on the closure of all vertices"),
     ];
 }
 
@@ -157,27 +115,6 @@ impl Named for Option<Interpolation> {
     ];
 }
 
-impl Named for Skip {
-    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
-        (
-            "symmetry",
-            Self::Symmetry,
-            "Pairs of faces that move like another pair",
-        ),
-        (
-            "motion",
-            Self::Motion,
-            "Pairs that cannot have met since they were last looked at",
-        ),
-        (
-            "bounds",
-            Self::Bounds,
-            "Pairs whose bounding volumes are apart",
-        ),
-        ("edges", Self::Edges, "Pairs joined by an edge"),
-    ];
-}
-
 impl Named for Timing {
     const NAMES: &'static [(&'static str, Self, &'static str)] = &[
         (
@@ -189,21 +126,6 @@ impl Named for Timing {
             "sparse",
             Self::Sparse,
             "A simple law with which few knots suffice",
-        ),
-    ];
-}
-
-impl Named for Judged {
-    const NAMES: &'static [(&'static str, Self, &'static str)] = &[
-        (
-            "motion",
-            Self::Motion,
-            "The whole motion, certified between the knots",
-        ),
-        (
-            "knots",
-            Self::Knots,
-            "The knots alone, for a quicker first look; hinges turn evenly between them, whatever the pace",
         ),
     ];
 }

@@ -7,9 +7,9 @@ use foldpath_core::{Interpolation, Objective};
 use serde::{Serialize, Serializer};
 
 use super::error::RequestError;
-use super::names::{Frames, Reuse, Skip, Switch, by_name, by_names};
+use super::names::{Frames, Switch, by_name};
 use super::values::{DrivenEdge, LimitedEdge};
-use crate::planner::{Judged, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices};
+use crate::planner::{PlanOptions, Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::{ColourLetters, ReadOptions, Straighten};
 
 /// Options of a plan, as the command line names them. They serialise to the `options` of the answer, in this order.
@@ -42,15 +42,9 @@ pub struct PlanRequest {
     /// Vertices whose closure conditions are solved.
     #[serde(serialize_with = "by_name")]
     pub vertices: Vertices,
-    /// Reuse of a path of the essential crease pattern on the whole sheet.
-    #[serde(serialize_with = "by_name")]
-    pub reuse: Reuse,
     /// Search for faces that pass through each other.
     #[serde(serialize_with = "by_name")]
     pub collision: Switch,
-    /// Kinds of pairs that this search must not skip.
-    #[serde(serialize_with = "by_names")]
-    pub no_skip: Vec<Skip>,
     /// Interpolation between knots; `None` for the one that needs the fewest knots.
     #[serde(serialize_with = "by_name")]
     pub interpolation: Option<Interpolation>,
@@ -61,9 +55,6 @@ pub struct PlanRequest {
     /// Time law along the path.
     #[serde(serialize_with = "by_name")]
     pub pace: Timing,
-    /// Part of the path that is judged.
-    #[serde(serialize_with = "by_name")]
-    pub judge: Judged,
     /// Largest number of knots of the path.
     pub max_knots: Option<usize>,
     /// Data that each knot of a written path stores.
@@ -102,14 +93,11 @@ impl Default for PlanRequest {
             contact: None,
             symmetry: Symmetry::default(),
             vertices: Vertices::default(),
-            reuse: Reuse::default(),
             collision: Switch::default(),
-            no_skip: Vec::new(),
             interpolation: None,
             max_speed: 45.0,
             max_accel: None,
             pace: Timing::default(),
-            judge: Judged::default(),
             max_knots: None,
             frames: Frames::default(),
             solver: Solver::default(),
@@ -159,27 +147,14 @@ impl PlanRequest {
                     .into(),
             );
         }
-        let skips = |skip| !self.no_skip.contains(&skip);
-        let all = self.vertices == Vertices::All || self.reuse == Reuse::Off;
         let options = PlanOptions {
             bound: self.bound,
             goal_tolerance: self.goal_tolerance.to_radians(),
             contact: self.contact,
             bend: self.bend.to_radians(),
             symmetry: self.symmetry,
-            vertices: if all {
-                Vertices::All
-            } else {
-                Vertices::Essential
-            },
-            judged: self.judge,
+            vertices: self.vertices,
             collision: self.collision == Switch::On,
-            skips: Skips {
-                symmetry: skips(Skip::Symmetry),
-                motion: skips(Skip::Motion),
-                bounds: skips(Skip::Bounds),
-                edges: skips(Skip::Edges),
-            },
             interpolation: self.interpolation,
             pace: self.pace,
             solver: self.solver,

@@ -9,7 +9,6 @@ mod common;
 mod fuzz;
 mod generators;
 mod lattice;
-mod lattice_scene;
 mod messages;
 mod module_order;
 mod nonsense;

@@ -178,13 +178,6 @@ fn reasons_are_sentences() {
             "the bound needs more than 20 knots with this interpolation".into(),
         ),
         (
-            Reason::TooManyWaypoints {
-                budget: 20,
-                found: 25,
-            },
-            "expected at most 20 knots, found 25, no fewer of which are judged alone".into(),
-        ),
-        (
             crosses.clone(),
             "faces 3 and 8 pass through each other beyond 25.00 % of the path (between knots 4 and 5: 1.2e-2 median \
              edges deep)"
@@ -238,10 +231,6 @@ fn reasons_are_sentences() {
 fn open_questions_are_sentences() {
     let crossings = |faces| Undecided::Crossings { faces, segment: 4 };
     for (question, sentence) in [
-        (
-            Undecided::JudgedAtKnots,
-            "judged at its knots alone: of the motion between them nothing is known",
-        ),
         (
             crossings(Some(FACES)),
             "crossings are not decided: the search gave up at the pair of faces 3 and 8 between knots 4 and 5",

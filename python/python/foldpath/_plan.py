@@ -13,7 +13,6 @@ from ._pattern import Pattern, Source, Straighten, read
 
 OnOff = Literal["on", "off"]
 AutoOff = Literal["auto", "off"]
-Skip = Literal["symmetry", "motion", "bounds", "edges"]
 
 
 class Plan:
@@ -85,14 +84,12 @@ def plan(
     contact: float | None = None,
     symmetry: AutoOff = "auto",
     vertices: Literal["essential", "all"] = "essential",
-    reuse: AutoOff = "auto",
+    reuse: AutoOff | None = None,
     collision: OnOff = "on",
-    no_skip: Iterable[Skip] | None = None,
     interpolation: Literal["auto", "half-angle", "hermite", "homogeneous", "linear"] = "auto",
     max_speed: float = 45.0,
     max_accel: float | None = None,
     pace: Literal["optimal", "sparse"] = "optimal",
-    judge: Literal["motion", "knots"] = "motion",
     max_knots: int | None = None,
     frames: Literal["full", "angles"] = "full",
     solver: Literal["lm", "gradient"] = "lm",
@@ -133,12 +130,10 @@ def plan(
         "vertices": vertices,
         "reuse": reuse,
         "collision": collision,
-        "no_skip": no_skip if no_skip is None or isinstance(no_skip, str) else list(no_skip),
         "interpolation": interpolation,
         "max_speed": max_speed,
         "max_accel": max_accel,
         "pace": pace,
-        "judge": judge,
         "max_knots": max_knots,
         "frames": frames,
         "solver": solver,

@@ -1,6 +1,5 @@
 //! Tests that cross crates, with one module for each subject.
 
-mod at_knots;
 mod between_knots;
 mod birds_feet;
 mod branches;

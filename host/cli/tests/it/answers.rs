@@ -55,9 +55,9 @@ fn plan_shape() -> Value {
         "options": {
             "goal": "text|null", "fold": "number|null", "crease": ["text"], "via": ["text"],
             "goal_tolerance": "number", "limit": ["text"], "bound": "number", "keep": "bool",
-            "contact": "number|null", "bend": "number", "symmetry": "text", "vertices": "text", "reuse": "text",
-            "collision": "text", "no_skip": ["text"], "interpolation": "text", "max_speed": "number",
-            "max_accel": "number|null", "pace": "text", "judge": "text", "max_knots": "count|null",
+            "contact": "number|null", "bend": "number", "symmetry": "text", "vertices": "text",
+            "collision": "text", "interpolation": "text", "max_speed": "number",
+            "max_accel": "number|null", "pace": "text", "max_knots": "count|null",
             "frames": "text", "solver": "text", "search": "text", "objective": "text",
             "seed": "count", "timeout": "number|null", "tolerance": "number|null", "straighten": "text", "colors": "text|null",
         },

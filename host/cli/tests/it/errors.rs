@@ -87,7 +87,6 @@ fn usage() {
         plan miura.fold --max-accel 0
         plan miura.fold --max-accel=-1
         plan miura.fold --max-accel inf
-        plan miura.fold --max-accel 10 --judge knots
         plan miura.fold --timeout=-1
         plan miura.fold --via miura.fold --search random
         plan miura.fold -o miura.fold

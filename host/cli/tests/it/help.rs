@@ -98,7 +98,7 @@ fn help_groups_the_options_of_plan() {
         ("--max-speed", "Limits:"),
         ("--output", "Path written:"),
         ("--seed", "Method:"),
-        ("--no-skip", "Crossings:"),
+        ("--collision", "Crossings:"),
     ] {
         assert_eq!(heading(option), expected, "{option}");
     }

@@ -454,39 +454,6 @@ fn a_speed_close_to_nothing_is_refused() {
         .with_status(2);
 }
 
-/// The knots are the configurations that were followed, joined by straight lines. Nothing is claimed about the motion
-/// between them.
-#[test]
-fn judged_at_knots_alone() {
-    let folder = folder_with_path();
-    folder.done("generate miura --rows 4 --cols 4 -o pattern.fold");
-    let plan = "plan pattern.fold -o first.fold --json --judge knots";
-    let _undecided = folder.run(plan).with_status(1);
-    assert!(!folder.path("first.fold").exists());
-    let plan = &format!("{plan} --keep");
-    let summary = folder.run(plan).with_status(1).json();
-    assert_eq!(summary["outcome"], "undecided");
-    let open = "judged at its knots alone: of the motion between them nothing is known";
-    assert_eq!(summary["undecided"], json!([open]));
-    assert_eq!(summary["reason"], open);
-    // All of these few faces are tested for crossings.
-    let tested = &summary["collision"]["tested"];
-    assert!(tested.as_u64().unwrap() > 0, "{tested}");
-    assert_eq!(summary["certified_deformation"], Value::Null);
-    assert_eq!(summary["min_clearance"], Value::Null);
-    let path = folder.read_json("first.fold");
-    assert_eq!(path["foldpath:interpolation"], "linear");
-    let frames = path["file_frames"].as_array().unwrap();
-    assert_eq!(frames.len() as u64, summary["knots"].as_u64().unwrap());
-    let angles = |frame: &Value| numbers(&frame["edges_foldAngle"]);
-    let steps = frames
-        .windows(2)
-        .map(|pair| furthest(&angles(&pair[0]), &angles(&pair[1])));
-    assert!(steps.fold(0.0, f64::max) <= 10.0 + 1e-9);
-    let refused = folder.run(&format!("{plan} --max-accel 10")).with_status(2);
-    assert!(refused.begins("--max-accel: expected none where knots alone"));
-}
-
 /// A goal that does not close is reached within the goal tolerance, and otherwise only come near to.
 #[test]
 fn a_goal_is_reached_within_its_tolerance() {

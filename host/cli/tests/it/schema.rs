@@ -164,7 +164,7 @@ fn every_answer_fits_its_schema() {
     let mut judged = BTreeMap::new();
     let twist = format!("info {PATTERNS}/square-twist-unfoldable.fold");
     let kresling = format!("plan {PATTERNS}/kresling-2x6.fold");
-    let all_options = "plan miura.fold --crease 4=-45 --limit 16=0..180 --no-skip motion,edges --max-accel 90 --max-knots 50 \
+    let all_options = "plan miura.fold --crease 4=-45 --limit 16=0..180 --max-accel 90 --max-knots 50 \
                        --timeout 100 --contact 1e-6 --seed 7";
     let crosses = format!("plan {crossing}");
     for (file, arguments, status) in [

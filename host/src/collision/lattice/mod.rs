@@ -2,7 +2,5 @@
 
 mod disk;
 mod pairs;
-mod scene;
 
 pub(super) use pairs::CellPairs;
-pub use scene::LatticeScene;

@@ -3,7 +3,7 @@
 
 use core::ops::{Range, RangeInclusive};
 
-use foldpath_core::closure::{half_angles, residual};
+use foldpath_core::closure::residual;
 use foldpath_core::{Curve, HalfAngle, LoopsView, Membership, Spoke, StarsView, norm};
 use nalgebra::Vector2;
 
@@ -364,46 +364,6 @@ impl<'a> CellPairs<'a> {
             .map(|(orbit, &circle)| Disk::new(&self.folded.pose(orbit, [0, 0]), circle));
         self.disks.clear();
         self.disks.extend(disks);
-    }
-
-    /// Goes to a configuration that is part of no motion, given by the angles of the groups (radians).
-    pub(crate) fn go_to(&mut self, angles: &[f64]) {
-        self.time = self.time.wrapping_add(1);
-        half_angles(angles, &mut self.half_angles);
-        self.folded.fold(&self.half_angles);
-        self.put_disks();
-    }
-
-    /// Returns a number that is different after each [`go_to`](Self::go_to).
-    pub(crate) fn time(&self) -> Tick {
-        self.time
-    }
-
-    /// Calls `found` for the classes of pairs of faces that may touch at the current configuration, among these
-    /// differences of cells. The sheet may have no pair of some of these classes.
-    pub(crate) fn touching(&mut self, cells: &[[i32; 2]], mut found: impl FnMut(PairClass)) {
-        let center = self.folded.middle();
-        let orbits = self.disks.len();
-        for row in cells.chunk_by(|a, b| a[1] == b[1]) {
-            let across = *self.power(1, row[0][1]);
-            let middle = across.carry(&center);
-            for &cell in row {
-                let along = *self.power(0, cell[0]);
-                if self.folded.gap_at(&along.carry(&middle)) > 0.0 {
-                    continue;
-                }
-                let there = along * across;
-                for b in 0..orbits {
-                    let disk = self.disks[b].carried(&there);
-                    let end = if cell == [0, 0] { b } else { orbits };
-                    for a in 0..end {
-                        if disk.apart(&self.disks[a]) <= 0.0 {
-                            found(PairClass::of_orbits([a, b], cell));
-                        }
-                    }
-                }
-            }
-        }
     }
 
     fn take(&mut self, index: usize, [a, b]: [usize; 2], near: &mut Vec<[FaceId; 2]>) {

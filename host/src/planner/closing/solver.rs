@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, Limits, NormalEquations, Options, Outcome, Report,
 };
-use foldpath_core::levenberg_marquardt::project_by_factor;
 use foldpath_core::{
     DenseNormalEquations, HalfAngle, LoopsView, Objective, Scalar, Spoke, StarsView, gradient,
     levenberg_marquardt,
@@ -52,11 +51,6 @@ pub(crate) struct ClosureSolver<'a> {
     limits: Vec<(f64, f64)>,
     watch: Watch<'a>,
     most_iterations: u32,
-    /// `true` if the projection on motions may use the factor of the predicted configuration in place of the closed
-    /// one.
-    rough: bool,
-    /// Configuration that the chord method closed last, and the damping of its factor.
-    near: Option<(Vec<f64>, f64)>,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations<'a>,
@@ -85,8 +79,6 @@ impl<'a> ClosureSolver<'a> {
             limits: Vec::new(),
             watch,
             most_iterations: Options::<f64>::default().max_iterations,
-            rough: false,
-            near: None,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
             equations: Equations::new(stars, loops, structure, watch),
@@ -109,13 +101,6 @@ impl<'a> ClosureSolver<'a> {
     /// Limits Levenberg-Marquardt to this number of iterations for a configuration.
     pub(crate) fn at_most(mut self, iterations: u32) -> Self {
         self.most_iterations = iterations;
-        self
-    }
-
-    /// Lets projections at a configuration that the chord method closed use the factor of the predicted configuration.
-    /// This saves half of all factorisations.
-    pub(crate) fn with_rough_motions(mut self) -> Self {
-        self.rough = true;
         self
     }
 
@@ -143,7 +128,6 @@ impl<'a> ClosureSolver<'a> {
 
     /// Moves `x` to the closed configuration near it, or to a local minimum of the residual.
     pub(crate) fn close(&mut self, x: &mut [f64]) -> Report<f64> {
-        self.near = None;
         let n = self.stars.unknowns();
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
         let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
@@ -212,7 +196,6 @@ impl<'a> ClosureSolver<'a> {
     /// Tries the chord method, which costs one factorisation. It is not tried if rounded coordinates may leave nothing
     /// that closes, as only damping keeps a step short then.
     fn closes_by_chord(&mut self, x: &mut [f64]) -> bool {
-        self.near = None;
         let exact = self.closure_tolerance <= f64::CLOSURE_TOLERANCE;
         let (Solver::LevenbergMarquardt, Equations::Sparse(equations), true) =
             (self.kind, &mut self.equations, exact)
@@ -231,9 +214,6 @@ impl<'a> ClosureSolver<'a> {
         };
         self.work.iterations += u64::from(chord.steps);
         self.work.evaluations += u64::from(chord.steps) + 1;
-        if self.rough && chord.closed && chord.steps > 0 {
-            self.near = Some((x.to_vec(), chord.damping));
-        }
         chord.closed
     }
 
@@ -293,15 +273,6 @@ impl<'a> ClosureSolver<'a> {
         weights: Option<&[f64]>,
         held: &[usize],
     ) -> bool {
-        if let (Some((near, damping)), Equations::Sparse(equations)) =
-            (&self.near, &mut self.equations)
-            && near == x
-            && weights.is_none()
-            && held.is_empty()
-        {
-            return project_by_factor(equations.as_mut(), *damping, FACTOR_APPLICATIONS, direction);
-        }
-        self.near = None;
         self.work.evaluations += 1;
         let (half_angles, columns) = (&mut self.half_angles, &mut self.columns);
         let problem = ClosureProblem::with_loops(self.stars, self.loops, half_angles, columns);
@@ -384,10 +355,6 @@ impl<E: Accumulate<f64>> Accumulate<f64> for Weighted<'_, E> {
 
 /// Fraction of a direction's largest entry below which an entry is rounding and moves no unknown past its limit.
 const SIDEWAYS_RATIO: f64 = 1e-6;
-
-/// Number of times that a projection applies the factor of the predicted configuration: the error that is left then is
-/// less than the error of the factor.
-const FACTOR_APPLICATIONS: u32 = 2;
 
 /// Largest number of unknowns for which a dense matrix is faster.
 const MAX_DENSE_UNKNOWNS: usize = 40;

@@ -3,13 +3,12 @@
 //!
 //! JᵀJ couples two unknowns only if a star or loop has both, so that each pair has a fixed place in the matrix. The
 //! places and the elimination order (approximate minimum degree) are found once; all else is arithmetic. The matrix is
-//! assembled from the rows of J only when it is factorised, as inexact steps by conjugate gradients need the rows
-//! alone.
+//! assembled from the rows of J only when it is factorised.
 
 use std::sync::{Arc, OnceLock};
 
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
-use foldpath_core::{LoopsView, Spoke, StarsView, conjugate_gradients};
+use foldpath_core::{LoopsView, Spoke, StarsView};
 use nalgebra::Vector3;
 
 use super::cholesky::{Factor, Symbolic};
@@ -35,10 +34,8 @@ pub struct SparseNormalEquations<'a> {
     fixed: Vec<(usize, Vec<f64>)>,
     /// Memory of columns that are no longer needed.
     spare: Vec<Vec<f64>>,
-    /// Workspace of conjugate gradients.
-    scratch: [Vec<f64>; 3],
     factor: Factor,
-    /// Once it is over, there are no factors and no inexact steps any more.
+    /// Once it is over, there are no factors any more.
     watch: Watch<'a>,
 }
 
@@ -78,7 +75,6 @@ impl<'a> SparseNormalEquations<'a> {
             assembled: false,
             fixed: Vec::new(),
             spare: Vec::new(),
-            scratch: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
             factor: Factor::new(&structure.symbolic),
             structure,
             watch,
@@ -170,22 +166,6 @@ impl Structure {
             group_by_key(self.diagonal.len(), pairs)
         })
     }
-
-    /// Sets `image` to JᵀJ times `way`, and returns the dot product of `way` and `image`.
-    fn apply(&self, jacobian: &Csr<Vector3<f64>>, way: &[f64], image: &mut [f64]) -> f64 {
-        image.fill(0.0);
-        let mut square = 0.0;
-        for (block, columns) in jacobian.iter().enumerate() {
-            let pairs = columns.iter().zip(self.of_block(block));
-            let terms = pairs.clone().map(|(column, &k)| column * way[k as usize]);
-            let change: Vector3<f64> = terms.sum();
-            square += change.norm_squared();
-            for (column, &k) in pairs {
-                image[k as usize] += column.dot(&change);
-            }
-        }
-        square
-    }
 }
 
 impl SparseNormalEquations<'_> {
@@ -276,17 +256,6 @@ impl NormalEquations<f64> for SparseNormalEquations<'_> {
         }
         self.gradient[unknown] = 0.0;
         growth
-    }
-
-    fn inexact_step(&mut self, damping: f64, step: &mut [f64]) {
-        if self.watch.is_over() {
-            step.fill(0.0);
-            return;
-        }
-        let (jacobian, structure) = (&self.jacobian, &*self.structure);
-        let apply = |way: &[f64], image: &mut [f64]| structure.apply(jacobian, way, image);
-        let scratch = self.scratch.each_mut().map(Vec::as_mut_slice);
-        conjugate_gradients::solve(apply, damping, &self.gradient, step, scratch);
     }
 
     fn fix_in_factor(&mut self, unknown: usize) -> bool {
@@ -461,14 +430,6 @@ mod tests {
                 assert!(a.len() == b.len() && apart.fold(0.0, f64::max) <= 1e-13);
             };
             same(sparse.gradient(), &expected);
-            // The product with JᵀJ that conjugate gradients use.
-            let way = DVector::from_vec(after);
-            let mut image = vec![7.0; n];
-            let structure = &sparse.structure;
-            let square = structure.apply(&sparse.jacobian, way.as_slice(), &mut image);
-            let change = &rows.0 * &way;
-            same(&image, &rows.0.tr_mul(&change));
-            assert!((square - change.norm_squared()).abs() <= 1e-12);
             // The step for the residual at `after`, with the factor of the rows at `before`.
             assert!(sparse.factorise(0.1));
             let mut step = vec![0.0; n];

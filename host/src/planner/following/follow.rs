@@ -124,8 +124,6 @@ pub(crate) struct Rules<'a> {
     pub(crate) signs: &'a [f64],
     /// Largest change of an unknown from one waypoint to the next, radians.
     pub(crate) max_step: f64,
-    /// `true` if the tangent at flat is needed, which takes as long as some steps.
-    pub(crate) tangents: bool,
     /// Receives the fraction of the way that is done.
     pub(crate) watch: Watch<'a>,
 }
@@ -378,11 +376,7 @@ fn arrive(
 ) -> Option<Waypoint> {
     match target {
         Target::Flat(_) => {
-            let tangent = if rules.tangents {
-                tangent_at_flat(solver, angles)
-            } else {
-                unit(angles)
-            };
+            let tangent = tangent_at_flat(solver, angles);
             Some(Waypoint::new(
                 vec![0.0; angles.len()],
                 tangent.iter().map(|t| -t).collect(),

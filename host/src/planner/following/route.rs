@@ -14,7 +14,7 @@ use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
-use crate::planner::{Judged, PlanOptions, Search};
+use crate::planner::{PlanOptions, Search};
 use crate::util::clock::Instant;
 
 /// Way in which a route ends.
@@ -72,9 +72,6 @@ const NEARLY_RAD: f64 = 1e-6;
 const MAX_MOVED_RATIO: f64 = 0.5;
 /// Angle that the nearest closed configuration has to reach, as a fraction of the largest angle asked for.
 const MIN_TURNED_RATIO: f64 = 0.1;
-/// Closure residual to which configurations are closed if knots alone are judged, as a fraction of the residual that
-/// the bound allows.
-const ROUGH_RESIDUAL_RATIO: f64 = 1e-2;
 /// Largest number of iterations to close a predicted configuration: a handful suffice, unless nothing closes there.
 const MAX_ITERATIONS: u32 = 25;
 /// Closure residual that rounding may leave on a straight way between two configurations.
@@ -210,7 +207,6 @@ impl<'a> RouteFinder<'a> {
         Rules {
             signs: &self.signs,
             max_step: self.problem.options.max_step,
-            tangents: self.problem.options.judged == Judged::Motion,
             watch: self.reduction.watch,
         }
     }
@@ -221,16 +217,7 @@ impl<'a> RouteFinder<'a> {
             .reduction
             .solver(self.problem.options, closure_tolerance);
         solver.set_limits(self.reduction.orthant(&self.signs));
-        let solver = solver.at_most(MAX_ITERATIONS);
-        if self.problem.options.judged == Judged::Motion {
-            return solver;
-        }
-        // The search for crossings along a lattice needs the faces where the lattice has them.
-        let alone = self.reduction.groups.is_trivial();
-        let rough = ROUGH_RESIDUAL_RATIO * self.reduction.tolerance(self.problem.options.bound);
-        solver
-            .with_rough_motions()
-            .content_with(if alone { rough } else { 0.0 })
+        solver.at_most(MAX_ITERATIONS)
     }
 
     /// Returns the closed configurations to pass through, with the goal last; without the goal if it is not a

@@ -4,9 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use core::time::Duration;
 
 use super::certified_motion::Certificate;
-use crate::certificate::{Closure, SheetCertifier};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::{Knot, Path};
@@ -14,7 +12,6 @@ use crate::planner::plan::{Failure, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
 use crate::util::clock::Instant;
-use crate::util::nan_max::larger;
 use crate::util::parallel;
 
 /// About the time that folding and measuring the sheet takes for each face.
@@ -92,68 +89,6 @@ pub(crate) fn measure(
         essential,
         time: start.elapsed(),
     }
-}
-
-/// Measures the sheet at knots or, if vertices need not be kept and that suffices, bounds its errors there by the
-/// closure of its essential vertices.
-pub(crate) fn measure_or_bound(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    mut knots: Vec<Knot>,
-) -> MeasuredMotion {
-    let start = Instant::now();
-    let bound = (!problem.options.keep_vertices)
-        .then(|| bound_at(&knots, problem.pattern, reduction))
-        .flatten();
-    let time = start.elapsed();
-    let Some(bound) = bound.filter(|bound| bound.worst() <= problem.options.bound) else {
-        let motion = measure(problem, reduction, knots);
-        return MeasuredMotion {
-            time: time + motion.time,
-            ..motion
-        };
-    };
-    for knot in &mut knots {
-        knot.deformation = bound.deformation;
-        knot.gap = bound.gap;
-        knot.closure = bound.twist;
-    }
-    MeasuredMotion {
-        knots,
-        late: None,
-        essential: None,
-        time,
-    }
-}
-
-/// Returns a bound on the errors of the sheet over all of these knots; its twist bounds the closure, too.
-fn bound_at(
-    knots: &[Knot],
-    pattern: &CreasePattern,
-    reduction: &Reduction<'_>,
-) -> Option<Rigidity> {
-    let essential = &reduction.essential;
-    let count = essential.vertices().len();
-    let mut worst = vec![0.0; count + essential.holes().len()];
-    for knot in knots {
-        for (worst, residual) in worst.iter_mut().zip(essential.residuals(&knot.angles)) {
-            *worst = larger(*worst, residual);
-        }
-    }
-    let loops: Vec<_> = worst[count..]
-        .iter()
-        .map(|&residual| [residual; 2])
-        .collect();
-    let closure = Closure {
-        stars: &worst[..count],
-        loops: &loops,
-    };
-    let mut sheet = SheetCertifier::new(pattern, &reduction.tree, &reduction.all)?;
-    let bound = sheet.rigidity(&closure);
-    Some(Rigidity {
-        twist: larger(bound.twist, sheet.closure(&closure)),
-        ..bound
-    })
 }
 
 /// Largest errors of a sheet over all knots.

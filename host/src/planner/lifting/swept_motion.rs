@@ -4,7 +4,7 @@
 use core::time::Duration;
 
 use super::certified_motion::CandidatePath;
-use crate::collision::{Crossing, SearchEffort, SweepCounts, SweepOptions, lattice_scene};
+use crate::collision::{Crossing, SearchEffort, SweepCounts, SweepOptions};
 use crate::lattice::Lattice;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -123,37 +123,6 @@ pub(crate) fn sweep_knots(
     SweptKnots {
         end,
         counts: judge.counts(),
-        time: start.elapsed(),
-    }
-}
-
-/// Looks for crossings at the knots of a sheet with this closure residual and gap: along the lattice if faces are near
-/// enough to where the lattice has them, and of all faces otherwise.
-pub(crate) fn sweep_knots_or_lattice(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    knots: &[Knot],
-    max_closure: f64,
-    gap: f64,
-) -> SweptKnots {
-    let start = Instant::now();
-    let (pattern, groups) = (problem.pattern, &reduction.groups);
-    let scene = lattice(problem, reduction).and_then(|lattice| {
-        let errors = [max_closure, gap];
-        lattice_scene(pattern, groups.memberships(), groups.len(), lattice, errors)
-    });
-    let Some(mut scene) = scene else {
-        let found = start.elapsed();
-        let swept = sweep_knots(problem, reduction, knots);
-        return SweptKnots {
-            time: found + swept.time,
-            ..swept
-        };
-    };
-    let end = first_crossed(problem, knots, |angles| scene.deepest_crossing(angles));
-    SweptKnots {
-        end,
-        counts: scene.counts(),
         time: start.elapsed(),
     }
 }

@@ -4,19 +4,16 @@
 use foldpath_core::Interpolation;
 
 use super::certified_motion::{CandidatePath, Certificate, cut, place_knots, unplaced};
-use super::measured_motion::{
-    MeasuredMotion, SheetErrors, measure, measure_or_bound, torn, torn_from_rim,
-};
+use super::measured_motion::{MeasuredMotion, SheetErrors, measure, torn, torn_from_rim};
 use super::swept_motion::{
-    SweptKnots, crossed_knot, ends_at_knot, is_blocked, lattice, sweep_knots,
-    sweep_knots_or_lattice, sweep_options, tears_hide_contact,
+    SweptKnots, crossed_knot, ends_at_knot, is_blocked, lattice, sweep_knots, sweep_options,
+    tears_hide_contact,
 };
 use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, is_torn};
 use crate::folding::Rigidity;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::knots::{Knot, Path};
-use crate::planner::options::Judged;
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::{Failure, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
@@ -57,9 +54,6 @@ pub(crate) fn lift(
 ) -> Plan {
     plan.reached = candidate.reached;
     plan.waypoints = candidate.waypoints.len();
-    if problem.options.judged == Judged::Knots {
-        return lift_knots(problem, reduction, candidate, plan);
-    }
     let path = ReducedPath::new(candidate.waypoints);
     let placement = place_knots(problem, reduction, candidate, &path);
     plan.times.place += placement.time;
@@ -145,48 +139,6 @@ fn measured(
     };
     let failure = torn(problem.options.bound, &plan.path.knots, errors, certificate);
     (plan, failure)
-}
-
-/// Makes the waypoints of a path its knots, between which hinges turn evenly, and judges the whole sheet at the knots
-/// alone: nothing is certified between them, which takes a small part of the time.
-fn lift_knots(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    candidate: &CandidatePath<'_>,
-    mut plan: Plan,
-) -> Plan {
-    problem.watch.begin(Stage::Placing);
-    let start = Instant::now();
-    let budget = problem.options.max_knots.unwrap_or(usize::MAX);
-    let found = candidate.waypoints.len();
-    if found > budget {
-        return plan.ended(Failure {
-            outcome: Outcome::Partial,
-            reason: Reason::TooManyWaypoints { budget, found },
-            kept: 0.0,
-        });
-    }
-    let knots = unmeasured(candidate.waypoints, problem.options.max_speed);
-    plan.path.interpolation = Interpolation::Linear;
-    plan.times.place += start.elapsed();
-    problem.watch.begin(Stage::Folding);
-    let motion = measure_or_bound(problem, reduction, knots);
-    if let Some(knot) = motion.late {
-        let failure = Failure::out_of_time(TimeoutAt::JudgingKnot(knot));
-        return ended_unjudged(problem, candidate.waypoints, plan, failure);
-    }
-    let (mut plan, failure) = measured(problem, plan, motion, None);
-    plan.undecided.push(Undecided::JudgedAtKnots);
-    if let Some(failure) = failure {
-        return plan.ended(failure);
-    }
-    if !problem.options.collision {
-        return plan;
-    }
-    problem.watch.begin(Stage::Crossings);
-    let (closure, gap) = (plan.max_closure, plan.rigidity.gap);
-    let swept = sweep_knots_or_lattice(problem, reduction, &plan.path.knots, closure, gap);
-    ended_at_knots(plan, swept)
 }
 
 /// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)

@@ -16,7 +16,7 @@ use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
-use crate::planner::{Goal, Judged, PlanOptions, Search, Symmetry};
+use crate::planner::{Goal, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
@@ -195,7 +195,7 @@ fn nearly_closes(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
     let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED_AMPLIFICATION;
-    open && problem.options.judged == Judged::Motion && off().is_some_and(near)
+    open && off().is_some_and(near)
 }
 
 /// Returns `true` if a plan is found that proves less deformation than the best so far.
@@ -369,7 +369,7 @@ fn turned(plan: &Plan) -> f64 {
 fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     let short = Outcome::FALLS_SHORT.contains(&plan.outcome);
     let few = problem.pattern.creases().len() <= FEW_CREASES;
-    let path = problem.options.search != Search::Random && problem.options.judged == Judged::Motion;
+    let path = problem.options.search != Search::Random;
     short && few && path && plan.reached < FARTHER_RATIO && !problem.is_late()
 }
 

@@ -2,8 +2,6 @@
 
 use core::time::Duration;
 
-use foldpath_core::least_squares::FactorReuse;
-
 use super::{Problem, argmin_peers, minpack_peer, nlopt_peers, ours};
 
 /// A solver.
@@ -12,9 +10,6 @@ pub enum Method {
     /// foldpath's Levenberg-Marquardt in f64. With sparse matrices it reuses a factorisation for several steps (chord
     /// method).
     LmF64,
-    /// foldpath's Levenberg-Marquardt in f64 that, with sparse matrices, also solves inexactly, by conjugate gradients,
-    /// for steps far from closure.
-    RoughLmF64,
     /// foldpath's Levenberg-Marquardt in f32, as on the controller.
     LmF32,
     /// foldpath's gradient solver in f64.
@@ -49,7 +44,7 @@ pub enum Method {
 
 use Method::{
     ArgminGaussNewton, ArgminLbfgs, ArgminTrustRegion, Bobyqa, Cobyla, GradientF32, GradientF64,
-    LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch, RoughLmF64,
+    LbfgsDifferences, LbfgsGradient, LmF32, LmF64, Minpack, NelderMead, RandomSearch,
     SlsqpDifferences, SlsqpGradient,
 };
 
@@ -74,9 +69,8 @@ pub trait Solver {
 
 impl Method {
     /// All methods, foldpath's first.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 16] = [
         LmF64,
-        RoughLmF64,
         LmF32,
         GradientF64,
         GradientF32,
@@ -99,7 +93,6 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             LmF64 => "foldpath LM f64",
-            RoughLmF64 => "foldpath rough LM f64",
             LmF32 => "foldpath LM f32",
             GradientF64 => "foldpath gradient f64",
             GradientF32 => "foldpath gradient f32",
@@ -121,7 +114,7 @@ impl Method {
     /// Returns `true` for foldpath's own solvers; the random search counts as a peer.
     #[must_use]
     pub fn is_ours(self) -> bool {
-        matches!(self, LmF64 | RoughLmF64 | LmF32 | GradientF64 | GradientF32)
+        matches!(self, LmF64 | LmF32 | GradientF64 | GradientF32)
     }
 
     /// Returns the largest number of unknowns at which the method is tried. A method with dense matrices may take
@@ -142,8 +135,7 @@ impl Method {
     pub fn solver<'a>(self, problem: &'a Problem) -> Box<dyn Solver + 'a> {
         let stars = problem.stars();
         match self {
-            LmF64 => ours::levenberg_marquardt_f64(stars, FactorReuse::Chord),
-            RoughLmF64 => ours::levenberg_marquardt_f64(stars, FactorReuse::InexactCg),
+            LmF64 => ours::levenberg_marquardt_f64(stars),
             LmF32 => ours::levenberg_marquardt_f32(stars),
             GradientF64 => ours::gradient::<f64>(stars),
             GradientF32 => ours::gradient::<f32>(stars),

@@ -273,12 +273,9 @@ fn boxed<'a, T: Scalar, S: Solve<T> + 'a>(solver: S) -> Box<dyn Solver + 'a> {
     Box::new(InPrecision { solver, x })
 }
 
-/// Returns Levenberg-Marquardt in f64; `steps` says how sparse equations reuse a factorisation.
-pub(super) fn levenberg_marquardt_f64(
-    stars: StarsView<'_, f64>,
-    factor_reuse: FactorReuse,
-) -> Box<dyn Solver> {
-    boxed::<f64, _>(Lm::<f64>::new(stars, factor_reuse))
+/// Returns Levenberg-Marquardt in f64, whose sparse equations reuse a factorisation.
+pub(super) fn levenberg_marquardt_f64(stars: StarsView<'_, f64>) -> Box<dyn Solver> {
+    boxed::<f64, _>(Lm::<f64>::new(stars, FactorReuse::Chord))
 }
 
 /// Returns Levenberg-Marquardt in f32, with dense matrices as on the controller.

@@ -156,10 +156,8 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
          left out where one of their iterations would take minutes.\n\n\
          foldpath's Levenberg-Marquardt in f64, with more than 40 unknowns by sparse factors that are used again \
          (`FactorReuse::Chord`):\n\n{repeated}\n\
-         The same with `FactorReuse::InexactCg`: with more than 40 unknowns it makes steps far from closing by conjugate \
-         gradients, too:\n\n{rough}\n\
          Time of the fastest peer over that, by tolerance (alone: no peer reaches it):\n\n{ratios}\n{behind}\n\
-         In how many problems each method reaches a tolerance, and its time over that of foldpath's rough \
+         In how many problems each method reaches a tolerance, and its time over that of foldpath's \
          Levenberg-Marquardt in the median of these:\n\n{reach}\n\
          Time against closure, one line a method: {pictures}.\n\n\
          **Convergence.** Largest residual of Levenberg-Marquardt in f64 after each iteration with a factor of its own \
@@ -176,7 +174,6 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
         runs = effort.starts * effort.rounds,
         limit = effort.limit.as_secs_f64(),
         repeated = tables::times(&problems, &cells, Method::LmF64),
-        rough = tables::times(&problems, &cells, Method::RoughLmF64),
         ratios = tables::ratios(&problems, &cells, &tolerances),
         behind = tables::behind(&problems, &cells, &tolerances),
         reach = tables::reach(&problems, &cells),

@@ -50,7 +50,7 @@ fn head(cells: impl IntoIterator<Item = String>) -> String {
 }
 
 /// The method of foldpath that peers are compared with.
-const OURS: Method = Method::RoughLmF64;
+const OURS: Method = Method::LmF64;
 
 /// Returns the table of a method's times, the closure that it reaches, and the growth of its time with precision.
 pub(super) fn times(problems: &[Problem], cells: &[Cell], method: Method) -> String {

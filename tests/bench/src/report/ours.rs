@@ -3,9 +3,8 @@
 use std::time::Instant;
 
 use foldpath::motion::Motion;
-use foldpath::planner::{Judged, Outcome, Plan, PlanOptions, Undecided, plan};
+use foldpath::planner::{Plan, PlanOptions, plan};
 
-use super::search::STEP;
 use super::sheet::Sheet;
 
 /// A plan, and its time.
@@ -17,11 +16,6 @@ pub(super) struct Ours {
     pub(super) collision: f64,
     /// Seconds in finding tree, groups and stars, which are given to the report's method.
     pub(super) given: f64,
-    /// Seconds of a plan that is judged at its knots alone, as by the report's method, with steps of the same length,
-    /// without the time for what is given to that method.
-    pub(super) at_knots: f64,
-    /// Number of knots of that plan.
-    pub(super) alone: usize,
 }
 
 /// Seconds for which runs are repeated, least and largest number of runs, and seconds of a run from which on there is
@@ -42,31 +36,11 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
         (start.elapsed().as_secs_f64(), found)
     };
     let (seconds, last, whole) = repeated(timed);
-    let alone = PlanOptions {
-        judged: Judged::Knots,
-        max_step: STEP,
-        ..options.clone()
-    };
-    let (at_knots, _, first_look) = repeated(|| {
-        let start = Instant::now();
-        let plan = plan(&sheet.pattern, &sheet.goal, &alone);
-        let seconds = start.elapsed().saturating_sub(plan.times.symmetry);
-        (seconds.as_secs_f64(), plan)
-    });
-    // A first look leaves only the motion between knots open.
-    let found = |plan: &Plan| plan.undecided == [Undecided::JudgedAtKnots];
-    assert_eq!(
-        whole.outcome == Outcome::Planned,
-        found(&first_look),
-        "judged at knots alone"
-    );
     Ours {
         given: whole.times.symmetry.as_secs_f64(),
         collision: whole.times.collision.as_secs_f64() / last,
         plan: whole,
         seconds,
-        at_knots,
-        alone: first_look.knots().len(),
     }
 }
 

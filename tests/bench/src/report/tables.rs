@@ -38,8 +38,7 @@ pub(super) fn print(extent: Extent, out: &mut impl Write, folder: &Path) -> io::
          bounds the deformation at its knots, and looks for crossings at its knots, by bounding boxes. **Of \
          foldpath**: the whole of `plan`, from pattern and goal to the answer. It finds the groups, bounds \
          deformation *and* gap over the whole motion, rounding included, and looks for crossings over the whole \
-         motion. *Knots only* is the same work as that of the report's method: a plan that is judged at its knots \
-         alone (`--judge knots`), with steps no longer than the report's, less the time for what that is given. Times \
+         motion. Times \
          are medians, in milliseconds; a ratio is the report's time over foldpath's. A run of the report's method has \
          {LIMIT} s in Table 2 and {SHORT_LIMIT} s elsewhere; where none reaches the goal, the table says how far the best came.\n",
         version()
@@ -196,7 +195,7 @@ fn times(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "| sheet | SYM/EV | unknowns | bound | report: best | success | time | collision | foldpath | time | \
-         collision | ratio | knots only | time | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+         collision | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     for row in rows {
         let theirs = match (&row.tuned.best, row.their_seconds(), row.their_collision()) {
@@ -213,18 +212,12 @@ fn times(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         let ours = &row.ours;
         writeln!(
             out,
-            "{} {theirs} | {} | {} | {:.0} % | {} | {} | {} |",
+            "{} {theirs} | {} | {} | {:.0} % | {} |",
             row.sheet(),
             row.outcome(),
             milliseconds(ours.seconds),
             100.0 * ours.collision,
             row.ratio(ours.seconds),
-            if row.is_planned() {
-                format!("{} | {}", ours.alone, milliseconds(ours.at_knots))
-            } else {
-                " | ".into()
-            },
-            row.ratio(ours.at_knots),
         )?;
     }
     writeln!(out)
@@ -292,7 +285,7 @@ fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
         "sheet,sym_ev,unknowns,bound,report_algorithm,report_mi,report_runs,report_success,report_seconds,\
          report_collision,report_knots,report_deformation,report_deformation_between,report_gap,foldpath_outcome,\
-         foldpath_seconds,foldpath_collision,foldpath_given_seconds,foldpath_knots_only_seconds,foldpath_knots,foldpath_deformation,\
+         foldpath_seconds,foldpath_collision,foldpath_given_seconds,foldpath_knots,foldpath_deformation,\
          foldpath_deformation_between,foldpath_gap,foldpath_certified,ratio\n",
     );
     for row in rows {
@@ -317,7 +310,7 @@ fn csv(rows: &[Row]) -> String {
         let ratio = row.their_seconds().map(|theirs| theirs / ours.seconds);
         let _ = writeln!(
             text,
-            "{},{},{},{:e},{theirs},{},{:.6e},{:.4},{:.6e},{:.6e},{},{:.3e},{:.3e},{:.3e},{},{}",
+            "{},{},{},{:e},{theirs},{},{:.6e},{:.4},{:.6e},{},{:.3e},{:.3e},{:.3e},{},{}",
             row.case.name(),
             row.case.freedom.marks(),
             row.unknowns,
@@ -326,7 +319,6 @@ fn csv(rows: &[Row]) -> String {
             ours.seconds,
             ours.collision,
             ours.given,
-            ours.at_knots,
             ours.plan.knots().len(),
             at.deformation,
             between.deformation,
