@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::path::Path;
 use crate::refusal::{error, usage};
-use crate::sheet::{Read, Sheet, object};
+use crate::sheet::{Read, Sheet, request};
 use crate::waiting::{Threads, waiting};
 
 /// The answer to a request.
@@ -64,12 +64,7 @@ pub(crate) fn plan(
 ) -> PyResult<Answer> {
     let start = Instant::now();
     let read = Arc::clone(&sheet.read);
-    let mut request = PlanRequest::default();
-    for (name, value) in &object(py, options)? {
-        request
-            .set(name, value)
-            .map_err(|refused| error(py, refused))?;
-    }
+    let mut request: PlanRequest = request(py, options)?;
     if request.reading != ReadingRequest::default() {
         let text = "--tolerance, --straighten and --colors: expected when the pattern is read";
         return Err(usage(py, text.into()));

@@ -9,7 +9,7 @@ use foldpath::export::fold::motion_text;
 use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::motion::{Knot, Motion};
 use foldpath::plot::{Curves, svg};
-use foldpath::request::{CheckJson, CheckRequest};
+use foldpath::request::{CheckJson, CheckRequest, Request};
 use foldpath::view::{Scene, page};
 use foldpath_cli::embed::{Source, export_motion, write_file, write_path};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use pyo3::types::PyByteArray;
 
 use crate::arrays::{from_bytes, numbers};
 use crate::refusal::error;
-use crate::sheet::{edges, faces};
+use crate::sheet::{edges, faces, request};
 use crate::waiting::{Threads, waiting};
 
 /// A motion.
@@ -175,21 +175,15 @@ impl Path {
             .map_err(|refused| error(py, refused))
     }
 
-    /// Judges the motion and returns the JSON of `foldpath check`.
+    /// Judges the motion and returns the JSON of `foldpath check`. `options` is a JSON object of options by their names.
     fn check(
         &self,
         py: Python<'_>,
-        bound: f64,
-        bend: f64,
-        contact: Option<f64>,
+        options: &str,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
-        let request = CheckRequest {
-            bound,
-            bend,
-            contact,
-        };
+        let request: CheckRequest = request(py, options)?;
         let options = request.options().map_err(|refused| error(py, refused))?;
         let motion = Arc::clone(&self.motion);
         waiting(py, Threads::of(jobs, is_forked), move |progress| {

@@ -6,17 +6,15 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use foldpath::generate::Family;
 use foldpath::pattern::CreasePattern;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{InputJson, PatternInfo, ReadingRequest, timeout};
+use foldpath::request::{Family, InputJson, PatternInfo, ReadingRequest, Request, timeout};
 use foldpath::symmetry::ReducedStars;
 use foldpath_cli::embed::{Refusal, Source};
 use foldpath_core::{HalfAngle, closure, hole};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
-use serde_json::{Map, Value};
 
 use crate::arrays::{from_bytes, indices, numbers};
 use crate::refusal::{error, usage};
@@ -81,22 +79,22 @@ impl Sheet {
     /// Reads a file. `options` is a JSON object.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, options: &str) -> PyResult<Self> {
-        let reading = reading(py, options)?;
+        let reading = request(py, options)?;
         Self::of(py, reading, move || Ok(Source::file(&path)))
     }
 
     /// Reads the bytes of a file whose format their content says.
     #[staticmethod]
     fn parse(py: Python<'_>, name: String, bytes: Vec<u8>, options: &str) -> PyResult<Self> {
-        let reading = reading(py, options)?;
+        let reading = request(py, options)?;
         Self::of(py, reading, move || Source::bytes(&name, &bytes))
     }
 
     /// Makes a pattern of a family, which is a JSON object.
     #[staticmethod]
     fn generate(py: Python<'_>, family: &str) -> PyResult<Self> {
-        let family: Family =
-            serde_json::from_str(family).map_err(|error| usage(py, error.to_string()))?;
+        let object = serde_json::from_str(family).map_err(|error| usage(py, error.to_string()))?;
+        let family = Family::of(&object).map_err(|refused| error(py, refused))?;
         Self::of(py, ReadingRequest::default(), move || {
             Source::family(&family)
         })
@@ -239,20 +237,10 @@ impl Sheet {
     }
 }
 
-/// Returns options of reading from a JSON object.
-fn reading(py: Python<'_>, options: &str) -> PyResult<ReadingRequest> {
-    let mut reading = ReadingRequest::default();
-    for (name, value) in &object(py, options)? {
-        reading
-            .set(name, value)
-            .map_err(|refused| error(py, refused))?;
-    }
-    Ok(reading)
-}
-
-/// Parses a JSON object.
-pub(crate) fn object(py: Python<'_>, text: &str) -> PyResult<Map<String, Value>> {
-    serde_json::from_str(text).map_err(|error| usage(py, error.to_string()))
+/// Returns the options of a JSON object.
+pub(crate) fn request<R: Request>(py: Python<'_>, options: &str) -> PyResult<R> {
+    let given = serde_json::from_str(options).map_err(|error| usage(py, error.to_string()))?;
+    R::of(&given).map_err(|refused| error(py, refused))
 }
 
 /// Returns the vertices of the edges: (E, 2) integers.

@@ -100,7 +100,7 @@ def test_the_verdict_is_that_of_the_command(
     assert fp.check(path, jobs=2).to_dict() == verdict.to_dict()
     strict = fp.check(motion, bound=1e-16)
     assert strict.outcome != "holds" and strict.reason
-    with pytest.raises(fp.FoldpathError, match="--bound: expected a number above 0, found -1"):
+    with pytest.raises(fp.FoldpathError, match="--bound: expected a fraction above 0 and at most 1, found -1"):
         motion.check(bound=-1)
 
 
@@ -148,7 +148,7 @@ def test_options_of_exports(motion: fp.Motion, tmp_path: Path) -> None:
     file = tmp_path / "out.csv"
     motion.export(file, "csv", rate=10, per="group")
     assert file.read_text().startswith("t,group_0")
-    with pytest.raises(fp.FoldpathError, match="--rate: expected --to csv, which has rows"):
+    with pytest.raises(fp.FoldpathError, match="--rate: expected --to csv, found --to glb"):
         motion.export(file, "glb", rate=10)
     with pytest.raises(fp.FoldpathError, match="expected a name that ends in .svg"):
         motion.save_plot(tmp_path / "curves.png")

@@ -12,20 +12,18 @@ use std::sync::Arc;
 
 use foldpath::check::check_watched;
 use foldpath::export::fold::{motion_text, pattern_text};
-use foldpath::export::traj::TrajFile;
-use foldpath::export::{csv, glb, svg_pattern};
-use foldpath::generate::Family;
+use foldpath::export::{ExportOptions, FORMATS, Place, Source};
 use foldpath::motion::{Motion, PlanAnswer};
 use foldpath::progress::Watch;
 use foldpath::read::fold::{PatternFile, parse_motion};
 use foldpath::read::{parse_pattern_with, parse_shape};
 use foldpath::request::{
-    CheckJson, CheckRequest, InputJson, PatternInfo, PlanRequest, ReadingRequest, RequestError,
+    CheckJson, CheckRequest, Family, InputJson, PatternInfo, PlanRequest, ReadingRequest, Request,
+    RequestError,
 };
 use foldpath::unfold::{UnfoldOptions, unfold as unfold_shape};
 use foldpath::view::{Scene, page};
 use js_sys::Function;
-use serde_json::{Map, Value};
 use wasm_bindgen::prelude::*;
 use web_time::Instant;
 
@@ -43,7 +41,8 @@ pub fn version() -> String {
 /// If there is no such family, or a parameter is out of its range.
 #[wasm_bindgen]
 pub fn generate(family: &str) -> Result<String, JsError> {
-    let family: Family = serde_json::from_str(family).map_err(refusal)?;
+    let object = serde_json::from_str(family).map_err(refusal)?;
+    let family = Family::of(&object).map_err(refusal)?;
     let drawing = family.drawing().map_err(refusal)?;
     Ok(pattern_text(&family.title(), &drawing))
 }
@@ -55,10 +54,7 @@ pub fn generate(family: &str) -> Result<String, JsError> {
 /// If the bytes hold no crease pattern, or an option cannot be met.
 #[wasm_bindgen]
 pub fn info(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> {
-    let mut reading = ReadingRequest::default();
-    for (option, value) in &parsed(options)? {
-        reading.set(option, value).map_err(refusal)?;
-    }
+    let reading = request(options)?;
     let file = read(name, bytes, &reading)?;
     let info = PatternInfo::of(&file.pattern, Watch::default());
     serde_json::to_string(&info.json).map_err(refusal)
@@ -92,10 +88,7 @@ pub fn check(
     options: &str,
     told: Option<Function>,
 ) -> Result<String, JsError> {
-    let mut request = CheckRequest::default();
-    for (option, value) in &parsed(options)? {
-        request.set(option, value).map_err(refusal)?;
-    }
+    let request: CheckRequest = request(options)?;
     let options = request.options().map_err(refusal)?;
     let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
     let verdict = told::with(told, |progress| check_watched(&motion, &options, progress));
@@ -126,10 +119,7 @@ pub fn plan(
     told: Option<Function>,
 ) -> Result<Planned, JsError> {
     let start = Instant::now();
-    let mut request = PlanRequest::default();
-    for (option, value) in &parsed(options)? {
-        request.set(option, value).map_err(refusal)?;
-    }
+    let request: PlanRequest = request(options)?;
     let file = read(name, bytes, &request.reading)?;
     let no_file = |path: &Path, _: &_| {
         let text = format!(
@@ -150,7 +140,7 @@ pub fn plan(
     let answer = PlanAnswer {
         outcome: plan.outcome.name().into(),
         reached: 0.0,
-        bound: request.bound,
+        bound: request.check.bound,
         bend: 0.0,
     };
     let flat = || Motion {
@@ -196,8 +186,8 @@ impl Planned {
         page(&Scene::of_path(&self.motion))
     }
 
-    /// Returns the path as a file: `fold` (as `foldpath plan --keep` writes it), `csv`, `glb`, `traj`, or `pattern` (an SVG
-    /// drawing of the flat sheet, which needs no path).
+    /// Returns the path as a file: `fold` (as `foldpath plan --keep` writes it), a format of `foldpath export` that is one
+    /// file, or `pattern` (an SVG drawing of the flat sheet, which needs no path).
     ///
     /// # Errors
     /// If there is no such format or no path, or the path has no such form.
@@ -206,17 +196,26 @@ impl Planned {
         if !self.is_path && format != "pattern" {
             return Err(JsError::new("no path was found"));
         }
-        Ok(match format {
-            "fold" => motion_text(motion).into_bytes(),
-            "csv" => csv::text(motion, name).map_err(refusal)?.into_bytes(),
-            "glb" => glb::content(motion, name).map_err(refusal)?,
-            "traj" => TrajFile::of(motion, name).map_err(refusal)?.bytes,
-            "pattern" => svg_pattern::by_letters(&motion.title, &motion.pattern).into_bytes(),
-            _ => {
-                let all = "fold, csv, glb, traj or pattern";
-                return Err(JsError::new(&format!("expected {all}, found {format}")));
-            }
-        })
+        if format == "fold" {
+            return Ok(motion_text(motion).into_bytes());
+        }
+        let files = FORMATS.iter().filter(|known| known.place == Place::File);
+        let known = if format == "pattern" { "svg" } else { format };
+        let Some(row) = files.clone().find(|row| row.name == known) else {
+            let names: Vec<&str> = files.map(|row| row.name).collect();
+            let names = names.join(", ");
+            let text = format!("expected fold, {names} or pattern, found {format}");
+            return Err(JsError::new(&text));
+        };
+        let mut bytes = Vec::new();
+        let mut sink = |_: &str, content| {
+            bytes = content;
+            Ok(())
+        };
+        let options = ExportOptions::default();
+        row.make(Source::Motion(motion), name, &options, &mut sink)
+            .map_err(refusal)?;
+        Ok(bytes)
     }
 }
 
@@ -225,12 +224,12 @@ fn read(name: &str, bytes: &[u8], reading: &ReadingRequest) -> Result<PatternFil
     parse_pattern_with(Path::new(name), bytes, &options).map_err(refusal)
 }
 
-/// Parses an object of options; empty text has none.
-fn parsed(options: &str) -> Result<Map<String, Value>, JsError> {
-    if options.is_empty() {
-        return Ok(Map::new());
-    }
-    serde_json::from_str(options).map_err(|error| JsError::new(&format!("options: {error}")))
+/// Returns the options of a JSON object; empty text has none.
+fn request<R: Request>(options: &str) -> Result<R, JsError> {
+    let options = if options.is_empty() { "{}" } else { options };
+    let given = serde_json::from_str(options)
+        .map_err(|error| JsError::new(&format!("options: {error}")))?;
+    R::of(&given).map_err(refusal)
 }
 
 fn refusal(error: impl Display) -> JsError {

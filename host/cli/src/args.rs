@@ -6,20 +6,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use foldpath_core::{Interpolation, Objective};
 use foldpath_firmware_sim::hinges;
 
-use crate::choice::choice;
 use crate::jobs::Jobs;
-use foldpath::generate::{self, defaults};
-use foldpath::planner::{Search, Solver, Symmetry, Timing, Vertices};
-use foldpath::read::{ColourLetters, Straighten};
-use foldpath::request::{
-    CheckRequest, DrivenEdge, Frames, LimitedEdge, PlanRequest, ReadingRequest, Switch,
-};
-
-/// An interpolation, or none in particular. Under this name clap takes it for one value.
-type AnyInterpolation = Option<Interpolation>;
+use crate::options::{FamilyArgs, Options, formats};
+use foldpath::export::Format;
+use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -118,131 +110,7 @@ Examples:
   foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold")]
 pub(crate) struct Generate {
     #[command(subcommand)]
-    pub(crate) family: Family,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum Family {
-    /// Miura fold of rows x cols parallelograms with sides of length 1
-    #[command(after_help = "\
-Examples:
-  foldpath generate miura --rows 11 --cols 11 -o miura.fold
-  foldpath generate miura --rows 4 --cols 6 --angle 75 --fold 1 -o steep.fold")]
-    Miura {
-        #[command(flatten)]
-        size: Size,
-        /// Sector angle, degrees
-        #[arg(long, default_value_t = defaults::MIURA_ANGLE)]
-        angle: f64,
-        /// Goal: fold angle of the zigzag creases, as a fraction of 180 degrees
-        #[arg(long, default_value_t = defaults::MIURA_FOLD)]
-        fold: f64,
-    },
-    /// Waterbomb tessellation on rows x cols unit squares; rows are counted round the tube
-    #[command(after_help = "\
-Examples:
-  foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold
-  foldpath generate waterbomb --rows 4 --cols 6 --fold 0.3 -o wide.fold")]
-    Waterbomb {
-        #[command(flatten)]
-        size: Size,
-        /// Goal: fold angle of the boundary lines, as a fraction of 180 degrees
-        #[arg(long, default_value_t = defaults::WATERBOMB_FOLD)]
-        fold: f64,
-    },
-    /// Yoshimura pattern on rows x cols cells with one diagonal each
-    #[command(after_help = "\
-Examples:
-  foldpath generate yoshimura --rows 4 --cols 4 -o yoshimura.fold
-  foldpath generate yoshimura --rows 6 --cols 8 --angle 20 --fold 0.2 -o boom.fold")]
-    Yoshimura {
-        #[command(flatten)]
-        size: Size,
-        /// Angle between diagonals and straight creases, degrees
-        #[arg(long, default_value_t = defaults::YOSHIMURA_ANGLE)]
-        angle: f64,
-        /// Goal: fold angle of the straight creases, as a fraction of 180 degrees
-        #[arg(long, default_value_t = defaults::YOSHIMURA_FOLD)]
-        fold: f64,
-    },
-    /// Slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold
-    #[command(after_help = "\
-Examples:
-  foldpath generate quad -o quad.fold
-  foldpath generate quad --rows 6 --cols 6 -o small-quad.fold")]
-    Quad {
-        /// Number of rows
-        #[arg(long, default_value_t = defaults::QUAD_SIZE)]
-        rows: usize,
-        /// Number of columns
-        #[arg(long, default_value_t = defaults::QUAD_SIZE)]
-        cols: usize,
-        /// File to write
-        #[arg(short, long)]
-        output: PathBuf,
-        /// Goal: fold angle of the diagonals, as a fraction of 180 degrees
-        #[arg(long, default_value_t = defaults::QUAD_FOLD)]
-        fold: f64,
-    },
-    /// Square twists on rows x cols tiles; each tile mirrors its neighbours
-    #[command(after_help = "\
-Examples:
-  foldpath generate square-twist -o twist.fold
-  foldpath generate square-twist --rows 2 --cols 2 --letters unfoldable -o locked.fold")]
-    SquareTwist {
-        /// Number of rows
-        #[arg(long, default_value_t = defaults::TWIST_SIZE)]
-        rows: usize,
-        /// Number of columns
-        #[arg(long, default_value_t = defaults::TWIST_SIZE)]
-        cols: usize,
-        /// File to write
-        #[arg(short, long)]
-        output: PathBuf,
-        /// Angle between the sides of a square and its pleats, degrees
-        #[arg(long, default_value_t = defaults::TWIST_ANGLE)]
-        angle: f64,
-        /// Letters with which the sheet folds, or with which it does not
-        #[arg(long, value_enum, default_value_t)]
-        letters: TwistLetters,
-        /// Goal of foldable letters: fold angle of the creases that turn most, as a fraction of 180 degrees
-        #[arg(long, default_value_t = defaults::TWIST_FOLD)]
-        fold: f64,
-    },
-    /// Ron Resch's triangular tessellation of rows x cols stars; its goal is closed to a plane
-    #[command(after_help = "\
-Examples:
-  foldpath generate resch -o resch.fold
-  foldpath generate resch --rows 2 --cols 4 -o strip.fold")]
-    Resch {
-        /// Number of rows
-        #[arg(long, default_value_t = defaults::RESCH_SIZE)]
-        rows: usize,
-        /// Number of columns
-        #[arg(long, default_value_t = defaults::RESCH_SIZE)]
-        cols: usize,
-        /// File to write
-        #[arg(short, long)]
-        output: PathBuf,
-    },
-    /// Flat conical Kresling pattern: rows rings round a polygon of cols sides
-    ///
-    /// The goal closes, but no motion leads to it.
-    #[command(after_help = "\
-Examples:
-  foldpath generate kresling -o kresling.fold
-  foldpath generate kresling --rows 1 --cols 8 -o ring.fold")]
-    Kresling {
-        /// Number of rings
-        #[arg(long, default_value_t = defaults::KRESLING_RINGS)]
-        rows: usize,
-        /// Number of sides of the polygon, even
-        #[arg(long, default_value_t = defaults::KRESLING_SIDES)]
-        cols: usize,
-        /// File to write
-        #[arg(short, long)]
-        output: PathBuf,
-    },
+    pub(crate) family: FamilyArgs,
 }
 
 /// Places at which an operator may say that a sheet stands.
@@ -256,106 +124,6 @@ pub(crate) enum At {
     Goal,
     /// The angles that the controller measures; it forgets what it knew
     Measured,
-}
-
-impl Family {
-    /// Returns the family with its parameters.
-    pub(crate) fn family(&self) -> generate::Family {
-        match *self {
-            Self::Miura {
-                ref size,
-                angle,
-                fold,
-            } => generate::Family::Miura {
-                rows: size.rows,
-                cols: size.cols,
-                angle: Some(angle),
-                fold: Some(fold),
-            },
-            Self::Waterbomb { ref size, fold } => generate::Family::Waterbomb {
-                rows: size.rows,
-                cols: size.cols,
-                fold: Some(fold),
-            },
-            Self::Yoshimura {
-                ref size,
-                angle,
-                fold,
-            } => generate::Family::Yoshimura {
-                rows: size.rows,
-                cols: size.cols,
-                angle: Some(angle),
-                fold: Some(fold),
-            },
-            Self::Quad {
-                rows, cols, fold, ..
-            } => generate::Family::Quad {
-                rows: Some(rows),
-                cols: Some(cols),
-                fold: Some(fold),
-            },
-            Self::SquareTwist {
-                rows,
-                cols,
-                angle,
-                letters,
-                fold,
-                ..
-            } => generate::Family::SquareTwist {
-                rows: Some(rows),
-                cols: Some(cols),
-                angle: Some(angle),
-                letters: Some(match letters {
-                    TwistLetters::Foldable => generate::Letters::Foldable,
-                    TwistLetters::Unfoldable => generate::Letters::Unfoldable,
-                }),
-                fold: Some(fold),
-            },
-            Self::Resch { rows, cols, .. } => generate::Family::Resch {
-                rows: Some(rows),
-                cols: Some(cols),
-            },
-            Self::Kresling { rows, cols, .. } => generate::Family::Kresling {
-                rows: Some(rows),
-                cols: Some(cols),
-            },
-        }
-    }
-
-    /// Returns the file to write.
-    pub(crate) fn output(&self) -> &PathBuf {
-        match self {
-            Self::Miura { size, .. }
-            | Self::Waterbomb { size, .. }
-            | Self::Yoshimura { size, .. } => &size.output,
-            Self::Quad { output, .. }
-            | Self::SquareTwist { output, .. }
-            | Self::Resch { output, .. }
-            | Self::Kresling { output, .. } => output,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(crate) enum TwistLetters {
-    /// The sheet folds
-    #[default]
-    Foldable,
-    /// The sheet does not fold; its goal is folded flat
-    Unfoldable,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Size {
-    /// Number of rows
-    #[arg(long)]
-    pub(crate) rows: usize,
-    /// Number of columns
-    #[arg(long)]
-    pub(crate) cols: usize,
-    /// File to write
-    #[arg(short, long)]
-    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -372,7 +140,7 @@ pub(crate) struct Info {
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
-    pub(crate) reading: Reading,
+    pub(crate) reading: Options<ReadingRequest>,
     #[command(flatten)]
     pub(crate) report: Report,
 }
@@ -485,46 +253,6 @@ impl Command {
     }
 }
 
-/// Options of reading a drawing of lines.
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Drawing")]
-pub(crate) struct Reading {
-    /// Distance within which lines of a drawing are meant to meet, in the drawing's own units
-    ///
-    /// By default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
-    /// keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
-    #[arg(long, value_name = "LENGTH")]
-    pub(crate) tolerance: Option<f64>,
-    /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
-    ///
-    /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
-    #[arg(long, value_name = "WHEN", value_parser = choice::<Straighten>(), default_value = "auto")]
-    pub(crate) straighten: Straighten,
-    /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
-    ///
-    /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and
-    /// J (joins a panel). A colour that is not named counts as the nearest named colour of its hue; without one it has
-    /// the meaning of Origami Simulator.
-    #[arg(long, value_name = "NAME=LETTER,...")]
-    pub(crate) colors: Option<ColourLetters>,
-}
-
-impl Reading {
-    /// Returns `true` if an option is given.
-    pub(crate) fn is_given(&self) -> bool {
-        self.tolerance.is_some() || self.colors.is_some() || self.straighten != Straighten::Auto
-    }
-
-    /// Returns the options by their names.
-    pub(crate) fn request(&self) -> ReadingRequest {
-        ReadingRequest {
-            tolerance: self.tolerance,
-            straighten: self.straighten,
-            colors: self.colors.clone(),
-        }
-    }
-}
-
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -545,157 +273,16 @@ pub(crate) struct Plan {
     ///
     /// In an SVG file the colours are those of Origami Simulator.
     pub(crate) pattern: PathBuf,
-    /// FOLD file of the same sheet whose fold angles are the goal
-    #[arg(long, conflicts_with_all = ["fold", "crease"], help_heading = "Goal")]
-    pub(crate) goal: Option<PathBuf>,
-    /// Fold each crease by this fraction of a half turn, as its letter says
-    ///
-    /// With 0 the goal is the flat sheet. Together with --via the path then leads back to flat.
-    #[arg(long, conflicts_with = "crease", help_heading = "Goal")]
-    pub(crate) fold: Option<f64>,
-    /// Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable
-    ///
-    /// Edges are counted from 0.
-    #[arg(long, value_name = "I=DEG", help_heading = "Goal")]
-    pub(crate) crease: Vec<DrivenEdge>,
-    /// FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable
-    ///
-    /// The path passes through several such files in the order given.
-    #[arg(long, value_name = "FILE", help_heading = "Goal")]
-    pub(crate) via: Vec<PathBuf>,
-    /// Largest distance of a crease from its goal angle at the end of the path, degrees
-    #[arg(long, default_value_t = 1.0, value_name = "DEG", help_heading = "Goal")]
-    pub(crate) goal_tolerance: f64,
-    /// Path to write, a FOLD animation; written only if the goal is reached
-    #[arg(short, long, help_heading = "Path written")]
-    pub(crate) output: Option<PathBuf>,
-    /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
-    ///
-    /// Edges are counted from 0.
-    #[arg(long, value_name = "I=MIN..MAX", help_heading = "Limits")]
-    pub(crate) limit: Vec<LimitedEdge>,
-    /// Largest deformation, gap and closure residual that the path may have
-    ///
-    /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
-    /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
-    /// sheets that lie 1e11 edge lengths from the origin.
-    #[arg(long, default_value_t = 0.01, help_heading = "Limits")]
-    pub(crate) bound: f64,
-    /// Largest angle by which panels may bend about their diagonals, degrees
-    ///
-    /// Panels bend only if the sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals,
-    /// lettered J, and the largest bend found is told.
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "DEG",
-        help_heading = "Limits"
-    )]
-    pub(crate) bend: f64,
-    /// Write the path as far as it goes, even if the answer is no
-    #[arg(long, requires = "output", help_heading = "Path written")]
-    pub(crate) keep: bool,
-    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
-    ///
-    /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit
-    /// if they are rounded. In front of a small face, at most a thousandth of the face counts.
-    #[arg(long, value_name = "EDGES", help_heading = "Limits")]
-    pub(crate) contact: Option<f64>,
-    /// Unknowns of the plan: crease groups, or single creases
-    #[arg(long, value_parser = choice::<Symmetry>(), default_value = "auto", help_heading = "Method")]
-    pub(crate) symmetry: Symmetry,
-    /// Vertices whose closure conditions are solved
-    #[arg(long, value_parser = choice::<Vertices>(), default_value = "essential", help_heading = "Method")]
-    pub(crate) vertices: Vertices,
-    /// Earlier name: `--reuse off` is `--vertices all`
-    #[arg(long, value_parser = choice::<Symmetry>(), hide = true)]
-    pub(crate) reuse: Option<Symmetry>,
-    /// Search for faces that pass through each other
-    #[arg(long, value_parser = choice::<Switch>(), default_value = "on", help_heading = "Crossings")]
-    pub(crate) collision: Switch,
-    /// Interpolation of the motion between knots
-    #[arg(long, value_parser = choice::<AnyInterpolation>(), default_value = "auto", help_heading = "Path written")]
-    pub(crate) interpolation: AnyInterpolation,
-    /// Largest speed of a hinge, degrees per second
-    #[arg(
-        long,
-        default_value_t = 45.0,
-        value_name = "DEG_PER_S",
-        help_heading = "Limits"
-    )]
-    pub(crate) max_speed: f64,
-    /// Largest acceleration of a hinge, degrees per second squared [default: no limit]
-    ///
-    /// With such a limit the path begins and ends at rest.
-    #[arg(long, value_name = "DEG_PER_S2", help_heading = "Limits")]
-    pub(crate) max_accel: Option<f64>,
-    /// Time law along the path
-    #[arg(long, value_parser = choice::<Timing>(), default_value = "optimal", help_heading = "Path written")]
-    pub(crate) pace: Timing,
-    /// Largest number of knots of the path [default: no limit]
-    #[arg(long, value_name = "N", help_heading = "Path written")]
-    pub(crate) max_knots: Option<usize>,
-    /// Data that each knot stores
-    #[arg(long, value_parser = choice::<Frames>(), default_value = "full", help_heading = "Path written")]
-    pub(crate) frames: Frames,
-    /// Solver that closes the sheet
-    #[arg(long, value_parser = choice::<Solver>(), default_value = "lm", help_heading = "Method")]
-    pub(crate) solver: Solver,
-    /// Method by which the path is found
-    #[arg(long, value_parser = choice::<Search>(), default_value = "auto", help_heading = "Method")]
-    pub(crate) search: Search,
-    /// Objective by which the randomised search measures closure
-    #[arg(long, value_parser = choice::<Objective>(), default_value = "max", help_heading = "Method")]
-    pub(crate) objective: Objective,
-    /// Seed of all random numbers
-    #[arg(long, default_value_t = 0, help_heading = "Method")]
-    pub(crate) seed: u64,
-    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-    #[arg(long, value_name = "SECONDS", help_heading = "Limits")]
-    pub(crate) timeout: Option<f64>,
     #[command(flatten)]
-    pub(crate) reading: Reading,
+    pub(crate) request: Options<PlanRequest>,
+    /// Path to write, a FOLD animation; written only if the goal is reached
+    #[arg(short, long, help_heading = "Path written", display_order = 0)]
+    pub(crate) output: Option<PathBuf>,
     // Not listed among the options of an answer, which is the same for any number.
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
-}
-
-impl Plan {
-    /// Returns the options by their names.
-    pub(crate) fn request(&self) -> PlanRequest {
-        PlanRequest {
-            goal: self.goal.clone(),
-            fold: self.fold,
-            crease: self.crease.clone(),
-            via: self.via.clone(),
-            goal_tolerance: self.goal_tolerance,
-            limit: self.limit.clone(),
-            bound: self.bound,
-            bend: self.bend,
-            keep: self.keep,
-            contact: self.contact,
-            symmetry: self.symmetry,
-            vertices: match self.reuse {
-                Some(Symmetry::Off) => Vertices::All,
-                _ => self.vertices,
-            },
-            collision: self.collision,
-            interpolation: self.interpolation,
-            max_speed: self.max_speed,
-            max_accel: self.max_accel,
-            pace: self.pace,
-            max_knots: self.max_knots,
-            frames: self.frames,
-            solver: self.solver,
-            search: self.search,
-            objective: self.objective,
-            seed: self.seed,
-            timeout: self.timeout,
-            reading: self.reading.request(),
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -707,37 +294,12 @@ Examples:
 pub(crate) struct Check {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
-    /// Largest deformation, gap and closure residual that the path may have
-    ///
-    /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
-    /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
-    /// sheets that lie 1e11 edge lengths from the origin.
-    #[arg(long, default_value_t = 0.01)]
-    pub(crate) bound: f64,
-    /// Largest angle by which panels may bend about their diagonals, degrees
-    #[arg(long, default_value_t = 0.0, value_name = "DEG")]
-    pub(crate) bend: f64,
-    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
-    ///
-    /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit
-    /// if they are rounded. In front of a small face, at most a thousandth of the face counts.
-    #[arg(long, value_name = "EDGES")]
-    pub(crate) contact: Option<f64>,
+    #[command(flatten)]
+    pub(crate) request: Options<CheckRequest>,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
-}
-
-impl Check {
-    /// Returns the options by their names.
-    pub(crate) fn request(&self) -> CheckRequest {
-        CheckRequest {
-            bound: self.bound,
-            bend: self.bend,
-            contact: self.contact,
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -777,69 +339,15 @@ pub(crate) struct Export {
     /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
-    #[arg(long, value_enum)]
-    pub(crate) to: ExportFormat,
+    #[arg(long, value_parser = formats())]
+    pub(crate) to: &'static Format,
     /// File to write; with obj, the name of the sequence or a folder; with mjcf, a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// With csv: rows a second, and one for the end [default: a row for each knot]
-    ///
-    /// The first column is the time t in seconds; angles are in degrees, valley positive.
-    #[arg(long, value_name = "HZ")]
-    pub(crate) rate: Option<f64>,
-    /// With csv and --rate: what has a column [default: hinge]
-    #[arg(long, value_enum, requires = "rate")]
-    pub(crate) per: Option<Per>,
-    /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
-    ///
-    /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
-    /// turns by more than 6 degrees from one frame to the next.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=2000))]
-    pub(crate) frames: Option<u16>,
-    /// With svg: meaning of the colours [default: letters]
-    #[arg(long, value_enum)]
-    pub(crate) colour: Option<Colour>,
     #[command(flatten)]
-    pub(crate) reading: Reading,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ExportFormat {
-    /// File that a controller stores and follows: group angles and rates at the knots, with limits
-    Traj,
-    /// One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees
-    Csv,
-    /// Contents of a .traj file as Rust constants, which need foldpath-core but no std
-    Rust,
-    /// Sequence of Wavefront OBJ files, one for each frame
-    Obj,
-    /// Binary glTF 2.0 with the motion as an animation
-    Glb,
-    /// Coloured drawing of the crease pattern
-    Svg,
-    /// Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel
-    Mjcf,
-    /// ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
-    JointTrajectory,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Per {
-    /// Each hinge, named edge_I by the number of its edge
-    Hinge,
-    /// Each crease group, named group_G
-    Group,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Colour {
-    /// Colours of Origami Simulator: mountain red, valley blue and so on; the opacity is the goal angle
-    #[default]
-    Letters,
-    /// Crease groups, each with the range of its angles
-    Groups,
-    /// Largest deformation of each face along the path
-    Deformation,
+    pub(crate) request: Options<ExportRequest>,
+    #[command(flatten)]
+    pub(crate) reading: Options<ReadingRequest>,
 }
 
 #[derive(Debug, Args)]
@@ -1142,23 +650,4 @@ fn pairs(text: &str) -> impl Iterator<Item = Result<(&str, &str), String>> {
 fn seed(value: &str) -> Result<u64, String> {
     let seed = value.parse();
     seed.map_err(|_| format!("seed: expected a number, found {value}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_are_those_of_the_library() {
-        let cli = Cli::try_parse_from(["foldpath", "plan", "miura.fold"]).unwrap();
-        let Command::Plan(plan) = cli.command else {
-            panic!("another command");
-        };
-        assert_eq!(plan.request(), PlanRequest::default());
-        let cli = Cli::try_parse_from(["foldpath", "check", "path.fold"]).unwrap();
-        let Command::Check(check) = cli.command else {
-            panic!("another command");
-        };
-        assert_eq!(check.request(), CheckRequest::default());
-    }
 }

@@ -6,12 +6,12 @@ use crate::report::outcome;
 use crate::standard::Input;
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::check::check_watched;
-use foldpath::request::CheckJson;
+use foldpath::request::{CheckJson, Request};
 
 pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
-    let options = args.request().options()?;
+    let options = args.request.get()?.options()?;
     let (path, verdict) = watched(&args.report, quiet, |progress| {
-        let path = Input::of(&args.path)?.motion()?;
+        let path = Input::of(&args.path)?.motion_for("check")?;
         let verdict = check_watched(&path, &options, progress);
         Ok::<_, CliError>((path, verdict))
     })?;

@@ -14,13 +14,12 @@ use crate::report::{ErrorFields, plain_text};
 use crate::standard::Input;
 use crate::{CliError, export};
 use foldpath::export::fold::write_motion;
-use foldpath::generate::{Family, ParameterError};
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::progress::Progress;
 use foldpath::read::FileError;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{PlanRequest, PlanTask, ReadingRequest, RequestError};
+use foldpath::request::{Family, PlanRequest, PlanTask, ReadingRequest, Request, RequestError};
 
 /// Bad input or usage, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,12 +59,6 @@ impl From<CliError> for Refusal {
 
 impl From<RequestError> for Refusal {
     fn from(error: RequestError) -> Self {
-        CliError::from(error).into()
-    }
-}
-
-impl From<ParameterError> for Refusal {
-    fn from(error: ParameterError) -> Self {
         CliError::from(error).into()
     }
 }

@@ -2,14 +2,15 @@
 
 use crate::Answer;
 use crate::args::Generate;
+use crate::options::FamilyArgs;
 use crate::output::write_whole_with;
 use crate::standard::{print_summary, shown};
 use foldpath::export::fold::write_pattern;
 
 pub(crate) fn run(args: &Generate, quiet: bool) -> Answer {
-    let family = args.family.family();
+    let FamilyArgs { family, output } = &args.family;
+    let family = family.clone()?;
     let (title, drawing) = (family.title(), family.drawing()?);
-    let output = args.family.output();
     write_whole_with(output, |out| write_pattern(&title, &drawing, out))?;
     let text = format!(
         "{title}: {} vertices, {} edges, written to {}\n",

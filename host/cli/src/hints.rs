@@ -34,6 +34,12 @@ fn of_file(error: &FileError) -> Option<String> {
             "it seems to be a FOLD file: `foldpath export PATH --to traj` makes what a controller follows of a path"
         }
         FileError::Syntax { .. } => return of_content(path),
+        FileError::Expected { expected, .. } if expected.starts_with("a path, which") => {
+            let path = argument(path).display();
+            return Some(format!(
+                "`foldpath plan {path} -o path.fold` makes one of a crease pattern"
+            ));
+        }
         FileError::Expected { place, .. } if place == "the file" => return of_content(path),
         FileError::Expected { place, found, .. } if place == "file_frames" && found == "none" => {
             let path = argument(path).display();

@@ -9,12 +9,12 @@ use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{PatternInfo, PatternInfoJson, Room, radians_hint, timeout};
+use foldpath::request::{PatternInfo, PatternInfoJson, Request, Room, radians_hint, timeout};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
     let watch = Watch::default().until(deadline);
-    let options = args.reading.request().options()?;
+    let options = args.reading.get()?.options()?;
     let input = Input::of(&args.pattern)?;
     let file = input.pattern(&input.pattern_bytes()?, &options)?;
     drop(input);

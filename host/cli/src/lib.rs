@@ -9,7 +9,6 @@ pub mod link;
 mod args;
 mod batch;
 mod check;
-mod choice;
 mod complete;
 mod drive;
 mod export;
@@ -20,6 +19,7 @@ mod info;
 mod jobs;
 mod key;
 mod log;
+mod options;
 mod outlook;
 mod output;
 mod pair;
@@ -43,7 +43,6 @@ use clap::Parser;
 use serde::Serialize;
 use thiserror::Error;
 
-use foldpath::generate::ParameterError;
 use foldpath::read::FileError;
 use foldpath::request::RequestError;
 
@@ -55,8 +54,6 @@ enum CliError {
     /// An error about stdin, with the text that was read.
     #[error("{error}")]
     Piped { error: Box<FileError>, text: String },
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
     #[error("stdout: {0}")]
     Output(std::io::Error),
     #[error(transparent)]

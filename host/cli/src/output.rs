@@ -69,23 +69,41 @@ pub(crate) fn write_whole_with(
     Ok(write().map_err(|error| failed(path, &error))?)
 }
 
-/// Writes several files, each whole. No file is put in its place before all have been written.
-///
-/// # Errors
-/// If the system refuses.
-pub(crate) fn write_each_whole(
-    files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
-) -> Result<(), FileError> {
-    let written = files.into_iter().map(|(path, content)| {
-        let file = beside(&path, |out| out.write_all(&content));
-        Ok((file.map_err(|error| failed(&path, &error))?, path))
-    });
-    let written: Vec<_> = written.collect::<Result<_, FileError>>()?;
-    for (file, path) in written {
-        let placed = file.persist(&path);
-        placed.map_err(|error| failed(&path, &error.error))?;
+/// Several files that are written, each whole. None is put in its place before all have been written.
+#[derive(Default)]
+pub(crate) struct Pending(Vec<(TempPath, PathBuf)>);
+
+impl Pending {
+    /// Writes a file under another name.
+    ///
+    /// # Errors
+    /// If the system refuses, or `content` fails.
+    pub(crate) fn add(
+        &mut self,
+        path: PathBuf,
+        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+    ) -> Result<(), FileError> {
+        let file = beside(&path, content).map_err(|error| failed(&path, &error))?;
+        self.0.push((file, path));
+        Ok(())
     }
-    Ok(())
+
+    /// Returns the names that the files will have.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.0.iter().map(|(_, path)| path)
+    }
+
+    /// Puts the files in their places.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub(crate) fn persist(self) -> Result<(), FileError> {
+        for (file, path) in self.0 {
+            let placed = file.persist(&path);
+            placed.map_err(|error| failed(&path, &error.error))?;
+        }
+        Ok(())
+    }
 }
 
 /// Returns the error of a file that the system refuses to write.
@@ -135,17 +153,18 @@ mod tests {
     fn of_several_files_all_are_written_or_none() {
         let folder = tempfile::tempdir().unwrap();
         let [first, missing] = ["a.obj", "none/b.obj"].map(|name| folder.path().join(name));
-        let files = |second: &Path| {
-            [
-                (first.clone(), b"a".to_vec()),
-                (second.to_path_buf(), vec![]),
-            ]
+        let write = |second: &Path| {
+            let mut pending = Pending::default();
+            for path in [&*first, second] {
+                pending.add(path.into(), |out| out.write_all(b"a"))?;
+            }
+            pending.persist()
         };
-        let refused = write_each_whole(files(&missing)).unwrap_err().to_string();
+        let refused = write(&missing).unwrap_err().to_string();
         let expected = format!("{}: entity not found", missing.display());
         assert_eq!(refused, expected);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-        write_each_whole(files(&folder.path().join("b.obj"))).unwrap();
+        write(&folder.path().join("b.obj")).unwrap();
         assert_eq!(std::fs::read(&first).unwrap(), b"a");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }

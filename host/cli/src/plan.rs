@@ -14,12 +14,12 @@ use foldpath::export::fold::write_motion;
 use foldpath::planner::Outcome;
 use foldpath::progress::{Progress, Stage};
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{InputJson, PlanJson, PlanRequest, Planned, Switch};
+use foldpath::request::{InputJson, PlanJson, PlanRequest, Planned, Request, Switch};
 
 pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     let start = Instant::now();
     let job = Job {
-        request: args.request(),
+        request: args.request.get()?.clone(),
         pattern: args.pattern.clone(),
         output: args.output.clone(),
         json: args.report.json,

@@ -18,7 +18,7 @@ pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
         )));
     }
     check_output("-o", &args.output, [&args.path])?;
-    let path = Input::of(&args.path)?.motion()?;
+    let path = Input::of(&args.path)?.motion_for("plot")?;
     let curves = Curves::of_path(&path);
     let text = svg(&curves);
     let picture = if pixels {

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use crate::args::Command;
 use crate::{CliError, print, say};
 use foldpath::export::fold::write_pattern;
-use foldpath::generate::Family;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{PatternFile, parse_goal, parse_motion, read_goal, read_motion};
@@ -15,6 +14,7 @@ use foldpath::read::{
     FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape_as,
     read_pattern_bytes, read_shape, read_stream,
 };
+use foldpath::request::Family;
 use foldpath::stream::{parse_script, read_script};
 use foldpath_firmware_sim::hinges::Trouble;
 
@@ -141,6 +141,27 @@ impl Input {
         parse_pattern_with(&self.name, bytes, &options).map_err(|error| self.wrong(error))
     }
 
+    /// Reads a motion. `user` names what needs it, if the file is one of another format.
+    pub(crate) fn motion_for(&self, user: &str) -> Result<Motion, CliError> {
+        let format = match &self.piped {
+            Some((_, format)) => *format,
+            None => Format::of_name(&self.name),
+        };
+        match self.motion() {
+            Err(CliError::File(FileError::Syntax { .. }) | CliError::Piped { .. })
+                if format != Format::Fold =>
+            {
+                Err(self.wrong(FileError::Expected {
+                    path: self.name.clone(),
+                    place: "the file".into(),
+                    expected: format!("a path, which {user} needs"),
+                    found: format.described(),
+                }))
+            }
+            read => read,
+        }
+    }
+
     /// Reads a motion.
     pub(crate) fn motion(&self) -> Result<Motion, CliError> {
         let motion = match &self.piped {
@@ -249,15 +270,19 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
         file.as_deref().map(|file| (option, file))
     }
     match command {
-        Command::Generate(args) => (vec![], vec![("-o", args.family.output())]),
+        Command::Generate(args) => (vec![], vec![("-o", &args.family.output)]),
         // A process that plans for another has the streams for itself.
         Command::Batch(args) if args.worker => (vec![], vec![]),
         Command::Batch(args) => (vec![("DESIGNS", &args.designs)], vec![("-o", &args.output)]),
         Command::Info(args) => (vec![("PATTERN", &args.pattern)], vec![]),
         Command::Plan(args) => {
-            let via = args.via.iter().map(|via| ("--via", via.as_path()));
+            let request = args.request.get().ok();
+            let via = request.into_iter().flat_map(|request| &request.via);
+            let via = via.map(|via| ("--via", via.as_path()));
             let inputs = [("PATTERN", args.pattern.as_path())].into_iter();
-            let inputs = inputs.chain(some("--goal", &args.goal)).chain(via);
+            let inputs = inputs
+                .chain(request.and_then(|request| some("--goal", &request.goal)))
+                .chain(via);
             (
                 inputs.collect(),
                 some("-o", &args.output).into_iter().collect(),

@@ -8,7 +8,7 @@ use foldpath::view::{Scene, page};
 
 pub(crate) fn run(args: &View, quiet: bool) -> Answer {
     check_output("-o", &args.output, [&args.path])?;
-    let path = Input::of(&args.path)?.motion()?;
+    let path = Input::of(&args.path)?.motion_for("view")?;
     let scene = Scene::of_path(&path);
     write_whole(&args.output, page(&scene).as_bytes())?;
     let text = format!(

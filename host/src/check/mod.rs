@@ -28,7 +28,7 @@ pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
 use crate::collision::{Crossing, contact_tolerance};
-use crate::folding::{Rigidity, SpanningTree};
+use crate::folding::{DEFAULT_BOUND, Rigidity, SpanningTree};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
 use crate::progress::{Progress, Stage, Watch};
@@ -66,7 +66,7 @@ impl CheckOptions {
 impl Default for CheckOptions {
     fn default() -> Self {
         Self {
-            bound: 0.01,
+            bound: DEFAULT_BOUND,
             contact: None,
             bend: 0.0,
             samples: 16,

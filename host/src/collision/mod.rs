@@ -32,3 +32,4 @@ pub use scene::{CollisionCounts, CollisionScene, Crossing};
 pub use separation::distance;
 pub(crate) use separation::face_distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
+pub use tolerances::CONTACT_EDGES;

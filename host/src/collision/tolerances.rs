@@ -5,6 +5,10 @@
 //! A ratio has no unit; its comment says of what to what. Limits on numbers of things begin with `MAX_`.
 
 use super::motion::{SEGMENT, Tick};
+use crate::util::range::Range;
+
+/// Depth of contact that a user may choose.
+pub const CONTACT_EDGES: Range = Range::from("median edges", 0.0).up_to(MAX_ROUNDING_EDGES);
 
 /// Depth above which an overlap counts as a crossing; a shallower overlap is contact.
 pub(super) const CROSSING_DEPTH_EDGES: f64 = 1e-6;

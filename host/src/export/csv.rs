@@ -4,8 +4,24 @@ use core::fmt::Write;
 use std::path::Path;
 
 use super::groups::HingeGroups;
+use super::{Export, Made, Sink};
 use crate::motion::Motion;
 use crate::read::FileError;
+
+/// Makes the file.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let (motion, name) = (export.motion()?, export.name);
+    let (text, told) = match export.options.rate {
+        None => (text(motion, name)?, format!("{} knots", motion.knots.len())),
+        Some(rate) => {
+            let text = sampled(motion, name, rate, export.options.per)?;
+            let rows = text.lines().count() - 1;
+            (text, format!("{rows} rows at {rate} Hz"))
+        }
+    };
+    sink("", text.into_bytes())?;
+    Ok(Made::told(told))
+}
 
 /// Returns one row for each knot: time in seconds, then the fold angle of each crease group in degrees.
 ///
@@ -29,9 +45,10 @@ pub fn text(motion: &Motion, file: &Path) -> Result<String, FileError> {
 }
 
 /// Meaning of a column of [`sampled`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Column {
     /// One hinge, named `edge_I` by the number I of its edge.
+    #[default]
     Hinge,
     /// One crease group, named `group_G`.
     Group,

@@ -17,7 +17,8 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::folding::shapes;
+use super::{Export, Made, Sink};
+use crate::folding::{STEP, shapes};
 use crate::motion::Motion;
 use crate::read::FileError;
 
@@ -33,6 +34,18 @@ const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 const LINES: u32 = 1;
 const TRIANGLES: u32 = 4;
+
+/// Makes the file. A viewer moves vertices on straight lines between frames, so that hinges may turn only a little from one
+/// frame to the next.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let motion = export.motion()?;
+    let frames = export.resampled()?;
+    let frames = frames.unwrap_or_else(|| motion.with_steps(STEP));
+    let faces = motion.pattern.faces().len();
+    sink("", content(&frames, export.name)?)?;
+    let frames = frames.knots.len();
+    Ok(Made::told(format!("{frames} frames, {faces} faces")))
+}
 
 /// Returns the bytes of a .glb file with the shapes of a path at its knots.
 ///

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
+use super::{Export, Made, Sink};
 use crate::motion::{Motion, interpolation_name};
 use crate::read::FileError;
 
@@ -25,6 +26,22 @@ const MAX_PARTS: u32 = 1 << 10;
 const PROBES: u32 = 16;
 /// Nanoseconds of a second.
 const NANOSECONDS: f64 = 1e9;
+
+/// Makes the file.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let trajectory = JointTrajectory::of(export.motion()?, export.name)?;
+    let (points, joints) = (trajectory.points.len(), trajectory.joints.len());
+    let error = trajectory.resampling_error;
+    let way = if error > 0.0 {
+        format!("resampled to {error:.1e} radians")
+    } else {
+        "exact".into()
+    };
+    sink("", trajectory.text().into_bytes())?;
+    Ok(Made::told(format!(
+        "{points} points of {joints} joints, {way}"
+    )))
+}
 
 /// A trajectory of all hinges, each a joint.
 #[derive(Clone, Debug, PartialEq)]

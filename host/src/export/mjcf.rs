@@ -20,6 +20,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::mjcf_panels::{Joint, Panels};
+use super::{Export, Made, Sink};
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 use crate::planner::forecast;
@@ -56,6 +57,27 @@ pub struct Model {
     pub actuators: Vec<EdgeId>,
     /// `true` if the actuators are the hinges that drive the sheet near flat, `false` if these are not known.
     pub drivers_known: bool,
+}
+
+/// Makes the files.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let model = model(export.motion()?, export.name)?;
+    let driven = if model.drivers_known {
+        "that drive the sheet near flat"
+    } else {
+        "of the tree, as it is not known which drive the sheet"
+    };
+    let told = format!(
+        "{} panels, {} hinge joints, {} loops, actuators on {} hinges {driven}",
+        model.panels,
+        model.joints,
+        model.loops,
+        model.actuators.len()
+    );
+    for (name, content) in model.files {
+        sink(&name, content)?;
+    }
+    Ok(Made::told(told))
 }
 
 /// Makes the model of a motion.

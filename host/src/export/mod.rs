@@ -1,4 +1,5 @@
-//! Writes crease patterns and motions in the formats of other programs and of controllers.
+//! Writes crease patterns and motions in the formats of other programs and of controllers: [`FORMATS`] is the table of
+//! what `foldpath export` makes. A format is a file of this folder with a row here.
 
 pub mod csv;
 pub mod fold;
@@ -11,3 +12,233 @@ pub mod obj_sequence;
 pub mod rust;
 pub mod svg_pattern;
 pub mod traj;
+
+use std::path::Path;
+
+use crate::motion::Motion;
+use crate::pattern::CreasePattern;
+use crate::read::FileError;
+
+/// A format that motions or patterns are exported to: a row of the table.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Format {
+    /// Name, with `-` between its words.
+    pub name: &'static str,
+    /// Description in one sentence.
+    pub text: &'static str,
+    /// Where its content goes.
+    pub place: Place,
+    /// Names of the options that it takes.
+    pub options: &'static [&'static str],
+    /// Returns what it is made of, with these options.
+    pub needs: fn(&ExportOptions) -> Needs,
+    make: fn(&Export<'_>, &mut Sink<'_>) -> Result<Made, FileError>,
+}
+
+/// Where the content of a format goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// One file.
+    File,
+    /// Files with fixed names in a folder.
+    Folder,
+    /// Numbered files: in a folder, or beside each other with a common beginning of their names.
+    Sequence,
+}
+
+/// What a format is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// A path.
+    Path,
+    /// A crease pattern.
+    Pattern,
+    /// A path if there is one, and a crease pattern otherwise.
+    PathOrPattern,
+}
+
+/// Options of exports. Each format takes some of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ExportOptions {
+    /// Rows a second, hertz; `None` for a row at each knot.
+    pub rate: Option<f64>,
+    /// Meaning of the columns of rows at a rate.
+    pub per: csv::Column,
+    /// Number of frames, evenly spaced in time; `None` for those that the format needs.
+    pub frames: Option<usize>,
+    /// Meaning of the colours of a drawing.
+    pub colour: svg_pattern::Colour,
+}
+
+/// What is exported.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// A path.
+    Motion(&'a Motion),
+    /// A crease pattern with its title.
+    Pattern(&'a str, &'a CreasePattern),
+}
+
+impl Source<'_> {
+    /// Returns the title.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        match self {
+            Self::Motion(motion) => &motion.title,
+            Self::Pattern(title, _) => title,
+        }
+    }
+}
+
+/// An export of a path or a pattern.
+#[derive(Clone, Copy, Debug)]
+struct Export<'a> {
+    source: Source<'a>,
+    /// Name of the file that was read, for messages.
+    name: &'a Path,
+    options: &'a ExportOptions,
+}
+
+/// Takes the name and content of each file: no name for [`Place::File`], numbers for [`Place::Sequence`].
+pub type Sink<'a> = dyn FnMut(&str, Vec<u8>) -> Result<(), FileError> + 'a;
+
+/// Description of what was made.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Made {
+    /// Description in words.
+    pub told: String,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
+}
+
+impl Made {
+    fn told(told: String) -> Self {
+        Self {
+            told,
+            notes: Vec::new(),
+        }
+    }
+}
+
+const fn path(_: &ExportOptions) -> Needs {
+    Needs::Path
+}
+
+/// The formats.
+pub const FORMATS: &[Format] = &[
+    Format {
+        name: "traj",
+        text: "File that a controller stores and follows: group angles and rates at the knots, with limits",
+        place: Place::File,
+        options: &[],
+        needs: path,
+        make: traj::made,
+    },
+    Format {
+        name: "csv",
+        text: "One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees",
+        place: Place::File,
+        options: &["rate", "per"],
+        needs: path,
+        make: csv::made,
+    },
+    Format {
+        name: "rust",
+        text: "Contents of a .traj file as Rust constants, which need foldpath-core but no std",
+        place: Place::File,
+        options: &[],
+        needs: path,
+        make: rust::made,
+    },
+    Format {
+        name: "obj",
+        text: "Sequence of Wavefront OBJ files, one for each frame",
+        place: Place::Sequence,
+        options: &["frames"],
+        needs: path,
+        make: obj_sequence::made,
+    },
+    Format {
+        name: "glb",
+        text: "Binary glTF 2.0 with the motion as an animation",
+        place: Place::File,
+        options: &["frames"],
+        needs: path,
+        make: glb::made,
+    },
+    Format {
+        name: "svg",
+        text: "Coloured drawing of the crease pattern",
+        place: Place::File,
+        options: &["colour"],
+        needs: |options| options.colour.needs(),
+        make: svg_pattern::made,
+    },
+    Format {
+        name: "mjcf",
+        text: "Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel",
+        place: Place::Folder,
+        options: &[],
+        needs: path,
+        make: mjcf::made,
+    },
+    Format {
+        name: "joint-trajectory",
+        text: "ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge",
+        place: Place::File,
+        options: &[],
+        needs: path,
+        make: joint_trajectory::made,
+    },
+];
+
+impl Format {
+    /// Returns the format with this name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        FORMATS.iter().find(|format| format.name == name)
+    }
+
+    /// Makes the content of a path or a pattern, file by file. `name` is that of the file that was read, for messages.
+    ///
+    /// # Errors
+    /// If the source has no such form, or is a pattern and the format needs a path, or the sink fails.
+    pub fn make(
+        &self,
+        source: Source<'_>,
+        name: &Path,
+        options: &ExportOptions,
+        sink: &mut Sink<'_>,
+    ) -> Result<Made, FileError> {
+        let export = Export {
+            source,
+            name,
+            options,
+        };
+        (self.make)(&export, sink)
+    }
+}
+
+impl<'a> Export<'a> {
+    /// Returns the path.
+    fn motion(&self) -> Result<&'a Motion, FileError> {
+        match self.source {
+            Source::Motion(motion) => Ok(motion),
+            Source::Pattern(..) => Err(FileError::Expected {
+                path: self.name.to_path_buf(),
+                place: "the file".into(),
+                expected: "a path".into(),
+                found: "a crease pattern".into(),
+            }),
+        }
+    }
+
+    /// Returns the path in the number of frames asked for, if a number is given.
+    fn resampled(&self) -> Result<Option<Motion>, FileError> {
+        let motion = self.motion()?;
+        Ok(self.options.frames.map(|frames| motion.resampled(frames)))
+    }
+}

@@ -1,42 +1,24 @@
 //! Writes Wavefront OBJ sequences: one file for each shape of a path, for renderers that load a sequence of meshes.
 
 use core::fmt::Write;
-use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
+use super::{Export, Made, Sink};
 use crate::folding::shapes;
 use crate::motion::Motion;
+use crate::read::FileError;
 
-/// Returns the name of file `index` of a sequence called `output`: `fold.obj` gives `fold-0000.obj`, `fold-0001.obj`
-/// and so on beside `output`; a folder gives `frame-0000.obj` and so on inside it.
-#[must_use]
-pub fn frame_path(output: &Path, folder: bool, index: usize) -> PathBuf {
-    if folder {
-        return output.join(format!("frame-{index:04}.obj"));
-    }
-    let is_obj = |ending: &std::ffi::OsStr| ending.eq_ignore_ascii_case("obj");
-    let stem = if output.extension().is_some_and(is_obj) {
-        output.file_stem()
-    } else {
-        output.file_name()
-    };
-    let mut name = stem.unwrap_or_default().to_os_string();
-    name.push(format!("-{index:04}.obj"));
-    output.with_file_name(name)
-}
-
-/// Returns the name and content of each file of a sequence, one file for the shape at each knot of the path.
-pub fn files(
-    motion: &Motion,
-    output: &Path,
-    folder: bool,
-) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
-    let frames = motion.knots.iter().zip(shapes(motion)).enumerate();
-    frames.map(move |(index, (knot, shape))| {
+/// Makes a file for the shape at each frame, or at each knot if no number of frames is given.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let resampled = export.resampled()?;
+    let motion = resampled.as_ref().map_or_else(|| export.motion(), Ok)?;
+    for (index, (knot, shape)) in motion.knots.iter().zip(shapes(motion)).enumerate() {
         let text = frame_text(motion, knot.time, &shape);
-        (frame_path(output, folder, index), text.into_bytes())
-    })
+        sink(&format!("{index:04}"), text.into_bytes())?;
+    }
+    let (frames, faces) = (motion.knots.len(), motion.pattern.faces().len());
+    Ok(Made::told(format!("{frames} frames, {faces} faces")))
 }
 
 /// Formats one shape of the sheet: its vertices in the order and units of the pattern, and its faces as polygons,

@@ -8,10 +8,20 @@ use foldpath_core::Interpolation;
 use foldpath_core::trajectory_file::TrajectoryFile;
 
 use super::traj::TrajFile;
+use super::{Export, Made, Sink};
 use crate::read::FileError;
 
 /// Largest number of characters in a line of a list.
 const WIDTH: usize = 100;
+
+/// Makes the file.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let motion = export.motion()?;
+    let file = TrajFile::of(motion, export.name)?;
+    let text = source(&file, &motion.title, export.name)?;
+    sink("", text.into_bytes())?;
+    Ok(Made::told(file.told()))
+}
 
 /// Formats the content of a `.traj` file as Rust constants; `title` goes into a comment.
 ///

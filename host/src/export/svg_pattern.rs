@@ -11,8 +11,13 @@ use core::fmt::Write;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
+use super::{Export, Made, Needs, Sink, Source};
 use crate::colours::{hex, of_group, ramp};
-use crate::pattern::{CreasePattern, Edge, Letter};
+use crate::folding::{STEP, deformation_of_faces};
+use crate::motion::{GroupNaming, Motion};
+use crate::pattern::{CreasePattern, Edge, EdgeId, Letter};
+use crate::read::FileError;
+use crate::symmetry::CreaseGroups;
 
 /// Largest width or height of the drawn sheet without its margin, in units of the drawing.
 const SIZE: f64 = 1000.0;
@@ -24,6 +29,99 @@ const ROW: f64 = 20.0;
 const NAMED: usize = 40;
 /// Number of steps of a colour bar.
 const STEPS: u32 = 50;
+
+/// Meaning of the colours of a drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Colour {
+    /// Letters, with the goal angles as opacity.
+    #[default]
+    Letters,
+    /// Crease groups, each with the range of its angles.
+    Groups,
+    /// Largest deformation of each face along the path.
+    Deformation,
+}
+
+impl Colour {
+    /// Returns what the drawing is made of.
+    pub(super) const fn needs(self) -> Needs {
+        match self {
+            Self::Letters => Needs::Pattern,
+            Self::Groups => Needs::PathOrPattern,
+            Self::Deformation => Needs::Path,
+        }
+    }
+}
+
+/// Makes the drawing. Groups are those of a path that names some, and are looked for otherwise.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let title = export.source.title();
+    let pattern = match export.source {
+        Source::Motion(motion) => &*motion.pattern,
+        Source::Pattern(_, pattern) => pattern,
+    };
+    let (text, told) = match (export.options.colour, export.source) {
+        (Colour::Letters, _) => {
+            let told = format!("{} edges by letters", pattern.edges().len());
+            (by_letters(title, pattern), told)
+        }
+        (Colour::Groups, Source::Motion(motion)) if motion.naming != GroupNaming::Unnamed => {
+            let ranges = ranges(motion);
+            let text = by_groups(title, pattern, motion.named_members(), &ranges);
+            (text, format!("{} crease groups of the path", ranges.len()))
+        }
+        (Colour::Groups, _) => {
+            let (members, ranges) = found_groups(pattern);
+            let text = by_groups(title, pattern, &members, &ranges);
+            (
+                text,
+                format!("{} crease groups of the pattern", ranges.len()),
+            )
+        }
+        (Colour::Deformation, _) => {
+            let faces = deformation_of_faces(export.motion()?);
+            let text = by_deformation(title, pattern, &faces);
+            (text, format!("{} faces by deformation", faces.len()))
+        }
+    };
+    sink("", text.into_bytes())?;
+    Ok(Made::told(told))
+}
+
+/// Returns for each crease group of a path its smallest and largest fold angle, radians.
+fn ranges(path: &Motion) -> Vec<[f64; 2]> {
+    let steps = path.with_steps(STEP);
+    let leaders = path.leaders().into_iter();
+    let range = |leader: Option<(EdgeId, Membership)>| {
+        let angles = (0..steps.knots.len()).filter_map(|knot| {
+            let (edge, member) = leader?;
+            Some(member.apply(steps.node(knot, edge).angle))
+        });
+        extent(angles)
+    };
+    leaders.map(range).collect()
+}
+
+/// Finds the crease groups of a pattern. Returns the membership of each edge, and for each group the range of fold
+/// angles (radians) from flat to its goal.
+fn found_groups(pattern: &CreasePattern) -> (Vec<Option<Membership>>, Vec<[f64; 2]>) {
+    let groups = CreaseGroups::find(pattern);
+    let edges = pattern.edges().iter();
+    let members = edges.map(|edge| edge.crease.map(|crease| groups.of(crease)));
+    let creases = pattern.creases().iter();
+    let goals: Vec<_> = creases.map(|&edge| pattern.edge(edge).goal).collect();
+    let goals = groups.reduce(&goals).into_iter();
+    let ranges = goals.map(|goal| extent([0.0].into_iter().chain(goal)));
+    (members.collect(), ranges.collect())
+}
+
+/// Returns the smallest and the largest number; zeros if there are no numbers.
+fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    let ends = numbers
+        .map(|x| [x; 2])
+        .reduce(|[low, high], [x, _]| [low.min(x), high.max(x)]);
+    ends.unwrap_or_default()
+}
 
 /// Draws the pattern coloured by its letters, with its goal angles as opacity.
 #[must_use]

@@ -8,6 +8,7 @@ use foldpath_core::trajectory_file::{FileError as WriteError, write};
 use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
 
 use super::groups::HingeGroups;
+use super::{Export, Made, Sink};
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
 use crate::planner::Overshoot;
@@ -30,6 +31,21 @@ pub struct TrajFile {
     pub knots: usize,
     /// Seconds from the first knot to the last.
     pub duration: f64,
+}
+
+/// Makes the file.
+pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
+    let file = TrajFile::of(export.motion()?, export.name)?;
+    let room = format!(
+        "a controller needs room for {} groups, {} hinges and {} spokes",
+        file.groups, file.hinges, file.spokes
+    );
+    let told = file.told();
+    sink("", file.bytes)?;
+    Ok(Made {
+        told,
+        notes: vec![room],
+    })
 }
 
 /// Returns the crease group and sign of each hinge of a path, in the order of the creases, which is the order of hinges
@@ -55,6 +71,14 @@ const FLOOR: f64 = 2e-6;
 const SAMPLES: u8 = 16;
 
 impl TrajFile {
+    /// Describes the file.
+    pub(super) fn told(&self) -> String {
+        format!(
+            "{} knots of {} groups, {} hinges, {:.3} s",
+            self.knots, self.groups, self.hinges, self.duration
+        )
+    }
+
     /// Rounds the path of `file` to `f32`. The rounded path keeps the limits on speed and acceleration: its duration is
     /// stretched only as far as that requires. For a limit that the file does not state, the largest value along the
     /// path is used.

@@ -8,6 +8,12 @@ use super::tree::{SpanningTree, Step};
 use crate::lattice::Pose;
 use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
 use crate::util::nan_max::{larger, largest};
+use crate::util::range::Range;
+
+/// Bound on deformation, gap and closure residual that a user may choose, a fraction of lengths.
+pub const BOUND: Range = Range::above("a fraction", 0.0).up_to(1.0);
+/// The bound of those who choose none.
+pub const DEFAULT_BOUND: f64 = 0.01;
 
 /// Deviation of a configuration from folding the sheet rigidly.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -17,7 +17,7 @@ pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::vertices_of_sheets;
 pub use fit::{align_rigid, align_sheets, fit};
 pub use holonomy::{Holonomy, Tear};
-pub use map::{FoldingMap, Rigidity, deformation};
+pub use map::{BOUND, DEFAULT_BOUND, FoldingMap, Rigidity, deformation};
 pub(crate) use plane::in_plane;
 pub use rounding::rounding;
 pub use shapes::{STEP, deformation_of_faces, shapes};

@@ -1,6 +1,5 @@
 //! Generates crease patterns of known families, with letters and a goal that closes. The goal of [`Quad`] cannot close.
 
-mod family;
 mod grid;
 mod kresling;
 mod miura;
@@ -10,7 +9,6 @@ mod square_twist;
 mod waterbomb;
 mod yoshimura;
 
-pub use family::{Family, defaults};
 pub use kresling::Kresling;
 pub use miura::Miura;
 pub use quad::Quad;

@@ -1,7 +1,6 @@
 //! Generates the square twist and its tessellation.
 
 use nalgebra::Vector2;
-use serde::Deserialize;
 
 use super::{ParameterError, check_between, check_fold, check_size};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
@@ -29,8 +28,7 @@ pub struct SquareTwist {
 }
 
 /// The two ways to letter a square twist.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
     /// Symmetric under half turns of the square with mountain and valley exchanged; the sheet folds.
     Foldable,

@@ -1,6 +1,10 @@
 //! Panels that bend: patterns whose faces are cut along diagonals that turn.
 
 use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, Letter, VertexId};
+use crate::util::range::Range;
+
+/// Bend of a panel that a user may allow.
+pub const BEND_DEG: Range = Range::from("degrees", 0.0).up_to(180.0);
 
 /// Diagonals of the faces with four corners along which panels may bend. Faces with more corners bend along the diagonals
 /// of their triangulation.

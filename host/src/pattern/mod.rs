@@ -18,6 +18,7 @@ mod split;
 mod trace;
 mod triangulate;
 
+pub use bends::BEND_DEG;
 pub(crate) use bends::Diagonals;
 pub(crate) use build::{LARGEST, check_goal};
 pub use drawing::{Drawing, DrawnEdge, PatternError};

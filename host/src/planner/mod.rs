@@ -96,7 +96,9 @@ pub use following::mobility::{FirstStep, Mobility};
 pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use options::{
-    HingeLimit, OptionsError, PlanOptions, Search, Skips, Solver, Symmetry, Timing, Vertices,
+    DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG, HingeLimit,
+    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, OptionsError, PlanOptions, Search, Skips,
+    Solver, Symmetry, Timing, Vertices,
 };
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;

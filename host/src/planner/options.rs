@@ -6,7 +6,10 @@ use core::time::Duration;
 use foldpath_core::{Interpolation, Objective};
 use thiserror::Error;
 
-use crate::pattern::CreaseId;
+use crate::collision::CONTACT_EDGES;
+use crate::folding::{BOUND, DEFAULT_BOUND};
+use crate::pattern::{BEND_DEG, CreaseId};
+use crate::util::range::Range;
 
 /// Use of crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -149,8 +152,8 @@ pub struct PlanOptions {
 impl Default for PlanOptions {
     fn default() -> Self {
         Self {
-            bound: 0.01,
-            goal_tolerance: 1_f64.to_radians(),
+            bound: DEFAULT_BOUND,
+            goal_tolerance: DEFAULT_GOAL_TOLERANCE_DEG.to_radians(),
             contact: None,
             bend: 0.0,
             symmetry: Symmetry::default(),
@@ -165,7 +168,7 @@ impl Default for PlanOptions {
             seed: 0,
             limits: Vec::new(),
             max_step: 10_f64.to_radians(),
-            max_speed: 45_f64.to_radians(),
+            max_speed: DEFAULT_MAX_SPEED_DEG_PER_S.to_radians(),
             max_acceleration: None,
             max_knots: None,
             timeout: None,
@@ -181,7 +184,7 @@ pub struct OptionsError {
     /// Name of the option.
     pub option: &'static str,
     /// Range of the option.
-    pub expected: &'static str,
+    pub expected: String,
     /// Value given.
     pub found: f64,
 }
@@ -194,10 +197,18 @@ impl OptionsError {
     }
 }
 
-/// Largest depth of contact that may be asked for, median edges.
-const MAX_CONTACT_EDGES: f64 = 1e-3;
-/// Smallest speed that may be asked for, radians per second: below it times become too large to tell knots apart.
-const MIN_SPEED_RAD_PER_S: f64 = 1e-9;
+/// Tolerance of the goal.
+pub const GOAL_TOLERANCE_DEG: Range = Range::above("degrees", 0.0).up_to(180.0);
+/// The tolerance of the goal of those who choose none.
+pub const DEFAULT_GOAL_TOLERANCE_DEG: f64 = 1.0;
+/// Largest speed of a hinge. Times of slower hinges become too large to tell knots apart.
+pub const MAX_SPEED_DEG_PER_S: Range = Range::from("degrees per second", 1e-6);
+/// The largest speed of those who choose none.
+pub const DEFAULT_MAX_SPEED_DEG_PER_S: f64 = 45.0;
+/// Largest acceleration of a hinge.
+pub const MAX_ACCELERATION_DEG_PER_S2: Range = Range::above("degrees per second squared", 0.0);
+/// Largest step while the motion is followed.
+const MAX_STEP_DEG: Range = Range::above("degrees", 0.0);
 
 impl PlanOptions {
     /// Checks that each option is in its range.
@@ -205,70 +216,48 @@ impl PlanOptions {
     /// # Errors
     /// The first option that is out of its range.
     pub fn validate(&self) -> Result<(), OptionsError> {
-        let positive = |option, found: f64| {
-            let good = found > 0.0 && found.is_finite();
-            good.then_some(()).ok_or(OptionsError {
-                option,
-                expected: "a number above 0",
-                found,
-            })
+        let numbers = [
+            ("bound", BOUND, Some(self.bound)),
+            ("contact", CONTACT_EDGES, self.contact),
+        ];
+        let angles = [
+            (
+                "goal_tolerance",
+                GOAL_TOLERANCE_DEG,
+                Some(self.goal_tolerance),
+            ),
+            ("bend", BEND_DEG, Some(self.bend)),
+            ("max_step", MAX_STEP_DEG, Some(self.max_step)),
+            ("max_speed", MAX_SPEED_DEG_PER_S, Some(self.max_speed)),
+            (
+                "max_acceleration",
+                MAX_ACCELERATION_DEG_PER_S2,
+                self.max_acceleration,
+            ),
+        ];
+        let refused = |option, expected: &dyn ToString, found| OptionsError {
+            option,
+            expected: expected.to_string(),
+            found,
         };
-        positive("bound", self.bound)?;
-        if self.bound > 1.0 {
-            return Err(OptionsError {
-                option: "bound",
-                expected: "a fraction of at most 1",
-                found: self.bound,
-            });
-        }
-        if !(self.goal_tolerance > 0.0 && self.goal_tolerance <= PI) {
-            return Err(OptionsError {
-                option: "goal_tolerance",
-                expected: "degrees above 0 and at most 180",
-                found: self.goal_tolerance.to_degrees(),
-            });
-        }
-        if let Some(found) = self
-            .contact
-            .filter(|c| !(0.0..=MAX_CONTACT_EDGES).contains(c))
-        {
-            return Err(OptionsError {
-                option: "contact",
-                expected: "median edges from 0 to 0.001",
-                found,
-            });
-        }
-        if !(0.0..=PI).contains(&self.bend) {
-            return Err(OptionsError {
-                option: "bend",
-                expected: "degrees from 0 to 180",
-                found: self.bend.to_degrees(),
-            });
-        }
-        for limit in &self.limits {
-            let flat = limit.lower <= 0.0 && limit.upper >= 0.0;
-            if !flat || limit.lower < -PI || limit.upper > PI {
-                return Err(OptionsError {
-                    option: "limit",
-                    expected: "MIN..MAX within -180..180 degrees and round 0, where the path begins",
-                    found: if limit.lower > 0.0 || limit.lower < -PI {
-                        limit.lower
-                    } else {
-                        limit.upper
-                    }
-                    .to_degrees(),
-                });
+        for (option, range, found) in numbers {
+            if let Some(found) = found.filter(|found| !range.contains(*found)) {
+                return Err(refused(option, &range, found));
             }
         }
-        positive("max_step", self.max_step)?;
-        positive("max_speed", self.max_speed)?;
-        positive("max_acceleration", self.max_acceleration.unwrap_or(1.0))?;
-        if self.max_speed < MIN_SPEED_RAD_PER_S {
-            return Err(OptionsError {
-                option: "max_speed",
-                expected: "at least 1e-9 radians per second",
-                found: self.max_speed,
-            });
+        for (option, range, found) in angles {
+            if let Some(found) = found.filter(|found| !range.to_radians().contains(*found)) {
+                return Err(refused(option, &range, found.to_degrees()));
+            }
+        }
+        for &HingeLimit { lower, upper, .. } in &self.limits {
+            let lower_is_good = (-PI..=0.0).contains(&lower);
+            if !lower_is_good || !(0.0..=PI).contains(&upper) {
+                let expected =
+                    "MIN..MAX within -180..180 degrees and round 0, where the path begins";
+                let found = if lower_is_good { upper } else { lower };
+                return Err(refused("limit", &expected, found.to_degrees()));
+            }
         }
         Ok(())
     }

@@ -43,6 +43,16 @@ impl Format {
         }
     }
 
+    /// Returns a description of a file of this format, such as `an SVG file`.
+    #[must_use]
+    pub fn described(self) -> String {
+        let article = match self {
+            Self::Fold | Self::Cp => "a",
+            _ => "an",
+        };
+        format!("{article} {} file", self.name())
+    }
+
     /// Returns the format that bytes without a name seem to have:
     ///
     /// 1. STL, if their number fits the count of triangles of a binary STL file, or if the first word is `solid`;

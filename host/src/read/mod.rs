@@ -22,7 +22,7 @@ use std::path::Path;
 
 pub use error::FileError;
 pub use format::Format;
-pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten};
+pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten, TOLERANCE};
 
 use crate::progress::{Progress, Stage, Watch};
 use crate::unfold::FoldedShape;

@@ -7,6 +7,10 @@ use thiserror::Error;
 
 use super::{FileError, Format};
 use crate::pattern::Letter;
+use crate::util::range::Range;
+
+/// Distance within which lines of a drawing are meant to meet, in the drawing's own units.
+pub const TOLERANCE: Range = Range::above("a finite length", 0.0);
 
 /// Options of reading a crease pattern. The default takes every choice from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,9 +61,9 @@ impl ReadOptions {
             format => format,
         };
         if let Some(tolerance) = self.tolerance {
-            if !(tolerance > 0.0 && tolerance.is_finite()) {
-                let expected = "a finite length above 0, in the units of the drawing";
-                return wrong("the tolerance", expected, tolerance.to_string());
+            if !TOLERANCE.contains(tolerance) {
+                let expected = format!("{TOLERANCE}, in the units of the drawing");
+                return wrong("the tolerance", &expected, tolerance.to_string());
             }
             if format == Format::Obj {
                 let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
@@ -71,17 +75,8 @@ impl ReadOptions {
             return wrong("straightening", expected, "an OBJ file".into());
         }
         if !self.colours.is_empty() && format != Format::Svg {
-            let article = if matches!(format, Format::Opx | Format::Obj) {
-                "an"
-            } else {
-                "a"
-            };
             let expected = "an SVG drawing, whose lines have colours";
-            return wrong(
-                "letters of colours",
-                expected,
-                format!("{article} {} file", format.name()),
-            );
+            return wrong("letters of colours", expected, format.described());
         }
         Ok(())
     }

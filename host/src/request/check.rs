@@ -1,73 +1,11 @@
-//! A request to judge a motion, and the answer as JSON.
+//! A verdict on a motion as JSON.
 
 use serde::Serialize;
 
-use super::error::RequestError;
-use crate::check::{CheckOptions, Verdict};
+use crate::check::Verdict;
 use crate::folding::SpanningTree;
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
-
-/// Options of judging a motion, as the command line names them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckRequest {
-    /// Largest deformation, gap and closure residual that the motion may have: above 0 and at most 1.
-    pub bound: f64,
-    /// Largest angle by which panels may bend about their diagonals, degrees.
-    pub bend: f64,
-    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001; `None` for what the digits of the
-    /// coordinates explain.
-    pub contact: Option<f64>,
-}
-
-impl Default for CheckRequest {
-    fn default() -> Self {
-        Self {
-            bound: 0.01,
-            bend: 0.0,
-            contact: None,
-        }
-    }
-}
-
-impl CheckRequest {
-    /// Returns the options of judging.
-    ///
-    /// # Errors
-    /// If an option is out of its range.
-    pub fn options(&self) -> Result<CheckOptions, RequestError> {
-        let &Self {
-            bound,
-            bend,
-            contact,
-        } = self;
-        let usage = |text: String| Err(RequestError::Usage(text));
-        if bound > 1.0 && bound.is_finite() {
-            return usage(format!(
-                "--bound: expected a fraction of at most 1, found {bound}"
-            ));
-        }
-        if !(bound > 0.0 && bound.is_finite()) {
-            return usage(format!("--bound: expected a number above 0, found {bound}"));
-        }
-        if let Some(found) = contact.filter(|contact| !(0.0..=1e-3).contains(contact)) {
-            return usage(format!(
-                "--contact: expected median edges from 0 to 0.001, found {found}"
-            ));
-        }
-        if !(0.0..=180.0).contains(&bend) {
-            return usage(format!(
-                "--bend: expected degrees from 0 to 180, found {bend}"
-            ));
-        }
-        Ok(CheckOptions {
-            bound,
-            contact,
-            bend: bend.to_radians(),
-            ..CheckOptions::default()
-        })
-    }
-}
 
 /// A verdict on a motion, which serialises to the JSON object of `foldpath check --json`. Angles are in degrees, lengths in
 /// the units of the sheet.

@@ -2,14 +2,18 @@
 
 use thiserror::Error;
 
+use crate::generate::ParameterError;
 use crate::planner::{GoalError, OptionsError};
 
 /// A request that cannot be met. Options are named as on the command line.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RequestError {
     /// An option is out of its range.
-    #[error("--{}: {}", flag(.0), .0.problem())]
+    #[error("--{}: {}", .0.option, .0.problem())]
     Options(#[from] OptionsError),
+    /// A parameter of a family is out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The pattern has no such goal.
     #[error("{file}: {source}")]
     Goal {
@@ -29,12 +33,4 @@ pub enum RequestError {
         /// A hinge that may be meant.
         hint: Option<String>,
     },
-}
-
-/// Returns the name of an option on the command line.
-fn flag(error: &OptionsError) -> String {
-    match error.option {
-        "max_acceleration" => "max-accel".into(),
-        option => option.replace('_', "-"),
-    }
 }

@@ -7,7 +7,7 @@ use super::hints::nearest_hinge;
 use super::options::PlanRequest;
 use super::values::LimitedEdge;
 use crate::pattern::{CreaseId, CreasePattern};
-use crate::planner::{Goal, GoalError, HingeLimit};
+use crate::planner::{Goal, GoalError, HingeLimit, Search};
 
 /// Angles (radians) of the creases of a pattern, read from a file, and the name of the file in messages.
 pub(super) type NamedGoal = (String, Vec<Option<f64>>);
@@ -37,12 +37,13 @@ impl PlanRequest {
                 format!("the goal angles of {name}"),
             ))
         };
+        if !self.via.is_empty() && self.search == Search::Random {
+            let text =
+                "--via: expected --search auto or path, as the randomised search knows no phases";
+            return Err(RequestError::Usage(text.into()).into());
+        }
         let mut goal = match (&self.goal, self.fold, &self.crease[..]) {
             (Some(path), ..) => chosen(path)?,
-            (None, Some(fraction), _) if !(0.0..=1.0).contains(&fraction) => {
-                let text = format!("--fold: expected a fraction from 0 to 1, found {fraction}");
-                return Err(RequestError::Usage(text).into());
-            }
             (None, Some(fraction), _) if fraction <= 0.0 => flat(pattern),
             (None, Some(fraction), _) => Goal::of_letters(pattern, fraction).map_err(bad)?,
             (None, None, []) => Goal::of_pattern(pattern).map_err(bad)?,

@@ -9,12 +9,11 @@
 //! use std::path::Path;
 //!
 //! use foldpath::export::fold::write_pattern;
-//! use foldpath::generate::Family;
 //! use foldpath::progress::Progress;
 //! use foldpath::read::parse_pattern;
-//! use foldpath::request::{InputJson, PlanRequest, RequestError};
+//! use foldpath::request::{Family, InputJson, PlanRequest, Request, RequestError};
 //!
-//! let family: Family = serde_json::from_str(r#"{"family": "miura", "rows": 3, "cols": 3}"#)?;
+//! let family = Family::of(&serde_json::from_str(r#"{"family": "miura", "rows": 3, "cols": 3}"#)?)?;
 //! let mut bytes = Vec::new();
 //! write_pattern(&family.title(), &family.drawing()?, &mut bytes)?;
 //! let name = Path::new("miura.fold");
@@ -33,9 +32,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod by_name;
 mod check;
 mod error;
+mod families;
 mod goal;
 mod hints;
 mod info;
@@ -43,14 +42,17 @@ mod names;
 mod options;
 mod plan;
 mod plan_json;
+mod table;
 mod values;
 
-pub use check::{CheckJson, CheckRequest};
+pub use check::CheckJson;
 pub use error::RequestError;
+pub use families::{FAMILIES, Family, FamilyInfo};
 pub use hints::radians_hint;
 pub use info::{CauseJson, PatternInfo, PatternInfoJson, Room};
-pub use names::{Frames, Named, Switch, name_of, value_of};
-pub use options::{PlanRequest, ReadingRequest, timeout};
+pub use names::{Frames, Switch};
+pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
 pub use plan::{PlanTask, Planned};
 pub use plan_json::{InputJson, PlanJson};
+pub use table::{Kind, OptionInfo, OptionValue, Request, Row, Shape, paragraphs};
 pub use values::{DrivenEdge, LimitedEdge};

@@ -1,226 +1,248 @@
-//! Options of planning and of reading, in the units of the command line.
+//! The tables of the options of planning, judging and reading.
+//!
+//! Each option stands here and nowhere else: clap's arguments, options by name, the JSON Schema, the Python signature and
+//! the documents are made of these rows. Names and units are those of the command line: degrees and seconds.
 
 use core::time::Duration;
 use std::path::PathBuf;
 
 use foldpath_core::{Interpolation, Objective};
-use serde::{Serialize, Serializer};
 
 use super::error::RequestError;
-use super::names::{Frames, Switch, by_name};
+use super::names::{Frames, Switch};
+use super::table::{self, Request as _, Row, options};
 use super::values::{DrivenEdge, LimitedEdge};
-use crate::planner::{PlanOptions, Search, Solver, Symmetry, Timing, Vertices};
-use crate::read::{ColourLetters, ReadOptions, Straighten};
+use crate::check::CheckOptions;
+use crate::collision::CONTACT_EDGES;
+use crate::export::csv::Column;
+use crate::export::svg_pattern::Colour;
+use crate::export::{ExportOptions, FORMATS, Format};
+use crate::folding::{BOUND, DEFAULT_BOUND};
+use crate::pattern::BEND_DEG;
+use crate::planner::{
+    DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
+    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
+    Timing, Vertices,
+};
+use crate::read::{ColourLetters, ReadOptions, Straighten, TOLERANCE};
+use crate::util::range::Range;
 
-/// Options of a plan, as the command line names them. They serialise to the `options` of the answer, in this order.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlanRequest {
-    /// FOLD file of the same sheet whose fold angles are the goal.
-    pub goal: Option<PathBuf>,
-    /// Fraction of a half turn, 0 to 1, by which each crease is to fold as its letter says.
-    pub fold: Option<f64>,
-    /// Creases that are driven to an angle while the others follow.
-    pub crease: Vec<DrivenEdge>,
-    /// FOLD files of the same sheet with fold angles at which the path rests before the goal, in this order.
-    pub via: Vec<PathBuf>,
-    /// Largest distance of a crease from its goal angle at the end of the path, degrees.
-    pub goal_tolerance: f64,
-    /// Ranges of the angles of hinges.
-    pub limit: Vec<LimitedEdge>,
-    /// Largest deformation, gap and closure residual that the path may have.
-    pub bound: f64,
-    /// Largest angle by which panels may bend about their diagonals, degrees.
-    pub bend: f64,
-    /// `true` if the path is wanted as far as it goes, even if the answer is no.
-    pub keep: bool,
-    /// Depth up to which faces may overlap that touch, in median edges, at most 0.001; `None` for what the digits of the
-    /// coordinates explain.
-    pub contact: Option<f64>,
-    /// Unknowns of the plan.
-    #[serde(serialize_with = "by_name")]
-    pub symmetry: Symmetry,
-    /// Vertices whose closure conditions are solved.
-    #[serde(serialize_with = "by_name")]
-    pub vertices: Vertices,
-    /// Search for faces that pass through each other.
-    #[serde(serialize_with = "by_name")]
-    pub collision: Switch,
-    /// Interpolation between knots; `None` for the one that needs the fewest knots.
-    #[serde(serialize_with = "by_name")]
-    pub interpolation: Option<Interpolation>,
-    /// Largest speed of a hinge, degrees per second.
-    pub max_speed: f64,
-    /// Largest acceleration of a hinge, degrees per second squared.
-    pub max_accel: Option<f64>,
-    /// Time law along the path.
-    #[serde(serialize_with = "by_name")]
-    pub pace: Timing,
-    /// Largest number of knots of the path.
-    pub max_knots: Option<usize>,
-    /// Data that each knot of a written path stores.
-    #[serde(serialize_with = "by_name")]
-    pub frames: Frames,
-    /// Solver that closes the sheet.
-    #[serde(serialize_with = "by_name")]
-    pub solver: Solver,
-    /// Method by which the path is found.
-    #[serde(serialize_with = "by_name")]
-    pub search: Search,
-    /// Objective by which the randomised search measures closure.
-    #[serde(serialize_with = "by_name")]
-    pub objective: Objective,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Seconds after which planning stops, reading included.
-    pub timeout: Option<f64>,
-    /// Options of reading the pattern.
-    #[serde(flatten)]
-    pub reading: ReadingRequest,
-}
+/// Fraction of a half turn.
+const FOLD: Range = Range::from("a fraction", 0.0).up_to(1.0);
+/// Rows of a table.
+const RATE_HZ: Range = Range::above("a frequency in Hz", 0.0);
+/// Frames of an animation.
+const FRAMES: Range = Range::from("a number of frames", 2.0).up_to(2000.0);
+/// Time after which a command stops.
+pub(super) const TIMEOUT_S: Range = Range::from("seconds", 0.0);
 
-impl Default for PlanRequest {
-    fn default() -> Self {
-        Self {
-            goal: None,
-            fold: None,
-            crease: Vec::new(),
-            via: Vec::new(),
-            goal_tolerance: 1.0,
-            limit: Vec::new(),
-            bound: 0.01,
-            bend: 0.0,
-            keep: false,
-            contact: None,
-            symmetry: Symmetry::default(),
-            vertices: Vertices::default(),
-            collision: Switch::default(),
-            interpolation: None,
-            max_speed: 45.0,
-            max_accel: None,
-            pace: Timing::default(),
-            max_knots: None,
-            frames: Frames::default(),
-            solver: Solver::default(),
-            search: Search::default(),
-            objective: Objective::default(),
-            seed: 0,
-            timeout: None,
-            reading: ReadingRequest::default(),
-        }
-    }
-}
+options! {
+    /// Options of a plan. They serialise to the `options` of the answer, in this order.
+    PlanRequest for PlanOptions {
+        /// FOLD file of the same sheet whose fold angles are the goal
+        goal: Option<PathBuf> = None, heading: "Goal", excludes: &["fold", "crease"];
 
-impl PlanRequest {
-    /// Returns the planner's options, without limits of hinges, which need a pattern.
-    ///
-    /// # Errors
-    /// If an option is out of its range, or options exclude each other.
-    pub fn options(&self) -> Result<PlanOptions, RequestError> {
-        let timeout = timeout(self.timeout)?;
-        let usage = |text: String| Err(RequestError::Usage(text));
-        let goals = [
-            ("--goal", self.goal.is_some()),
-            ("--fold", self.fold.is_some()),
-            ("--crease", !self.crease.is_empty()),
-        ];
-        let mut given = goals.into_iter().filter(|(_, given)| *given);
-        if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
-            return usage(format!("{first}: expected without {second}"));
-        }
-        if !(self.max_speed >= 1e-6 && self.max_speed.is_finite()) {
-            let found = self.max_speed;
-            return usage(format!(
-                "--max-speed: expected at least 1e-6 degrees per second, found {found}"
-            ));
-        }
-        if let Some(found) = self
-            .max_accel
-            .filter(|most| !(*most > 0.0 && most.is_finite()))
-        {
-            return usage(format!(
-                "--max-accel: expected degrees per second squared above 0, found {found}"
-            ));
-        }
-        if !self.via.is_empty() && self.search == Search::Random {
-            return usage(
-                "--via: expected --search auto or path, as the randomised search knows no phases"
-                    .into(),
-            );
-        }
-        let options = PlanOptions {
-            bound: self.bound,
-            goal_tolerance: self.goal_tolerance.to_radians(),
-            contact: self.contact,
-            bend: self.bend.to_radians(),
-            symmetry: self.symmetry,
-            vertices: self.vertices,
-            collision: self.collision == Switch::On,
-            interpolation: self.interpolation,
-            pace: self.pace,
-            solver: self.solver,
-            search: self.search,
-            objective: self.objective,
-            seed: self.seed,
-            max_speed: self.max_speed.to_radians(),
-            max_acceleration: self.max_accel.map(f64::to_radians),
-            max_knots: self.max_knots,
-            timeout,
-            ..PlanOptions::default()
+        /// Fold each crease by this fraction of a half turn, as its letter says
+        ///
+        /// With 0 the goal is the flat sheet. Together with --via the path then leads back to flat.
+        fold: Option<f64> = None, heading: "Goal", range: Some(FOLD), excludes: &["crease"];
+
+        /// Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable
+        ///
+        /// Edges are counted from 0.
+        crease: Vec<DrivenEdge> = Vec::new(), heading: "Goal", value_name: "I=DEG";
+
+        /// FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable
+        ///
+        /// The path passes through several such files in the order given.
+        via: Vec<PathBuf> = Vec::new(), heading: "Goal", value_name: "FILE";
+
+        /// Largest distance of a crease from its goal angle at the end of the path, degrees
+        goal_tolerance: f64 = DEFAULT_GOAL_TOLERANCE_DEG, heading: "Goal", value_name: "DEG",
+            range: Some(GOAL_TOLERANCE_DEG) => |plan, degrees| plan.goal_tolerance = degrees.to_radians();
+
+        /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
+        ///
+        /// Edges are counted from 0.
+        limit: Vec<LimitedEdge> = Vec::new(), heading: "Limits", value_name: "I=MIN..MAX";
+
+        /// Write the path as far as it goes, even if the answer is no
+        keep: bool = false, heading: "Path written", requires: "output";
+
+        /// Unknowns of the plan: crease groups, or single creases
+        symmetry: Symmetry = Symmetry::default(), heading: "Method"
+            => |plan, symmetry| plan.symmetry = *symmetry;
+
+        /// Vertices whose closure conditions are solved
+        vertices: Vertices = Vertices::default(), heading: "Method"
+            => |plan, vertices| plan.vertices = *vertices;
+
+        /// Earlier name of an option: `--reuse off` is `--vertices all`
+        reuse: Symmetry = Symmetry::Auto, heading: "Method", is_earlier_name: true
+            => |plan, reuse| if *reuse == Symmetry::Off { plan.vertices = Vertices::All };
+
+        /// Search for faces that pass through each other
+        collision: Switch = Switch::On, heading: "Crossings"
+            => |plan, collision| plan.collision = *collision == Switch::On;
+
+        /// Interpolation of the motion between knots
+        interpolation: Option<Interpolation> = None, heading: "Path written"
+            => |plan, interpolation| plan.interpolation = *interpolation;
+
+        /// Largest speed of a hinge, degrees per second
+        max_speed: f64 = DEFAULT_MAX_SPEED_DEG_PER_S, heading: "Limits", value_name: "DEG_PER_S",
+            range: Some(MAX_SPEED_DEG_PER_S) => |plan, degrees| plan.max_speed = degrees.to_radians();
+
+        /// Largest acceleration of a hinge, degrees per second squared [default: no limit]
+        ///
+        /// With such a limit the path begins and ends at rest.
+        max_accel: Option<f64> = None, heading: "Limits", value_name: "DEG_PER_S2",
+            range: Some(MAX_ACCELERATION_DEG_PER_S2)
+            => |plan, degrees| plan.max_acceleration = degrees.map(f64::to_radians);
+
+        /// Time law along the path
+        pace: Timing = Timing::default(), heading: "Path written" => |plan, pace| plan.pace = *pace;
+
+        /// Largest number of knots of the path [default: no limit]
+        max_knots: Option<usize> = None, heading: "Path written", value_name: "N"
+            => |plan, knots| plan.max_knots = *knots;
+
+        /// Data that each knot stores
+        frames: Frames = Frames::default(), heading: "Path written";
+
+        /// Solver that closes the sheet
+        solver: Solver = Solver::default(), heading: "Method" => |plan, solver| plan.solver = *solver;
+
+        /// Method by which the path is found
+        search: Search = Search::default(), heading: "Method" => |plan, search| plan.search = *search;
+
+        /// Objective by which the randomised search measures closure
+        objective: Objective = Objective::default(), heading: "Method"
+            => |plan, objective| plan.objective = *objective;
+
+        /// Seed of all random numbers
+        seed: u64 = 0, heading: "Method" => |plan, seed| plan.seed = *seed;
+
+        /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+        timeout: Option<f64> = None, heading: "Limits", value_name: "SECONDS", range: Some(TIMEOUT_S)
+            => |plan, seconds| plan.timeout = seconds.and_then(duration);
+    } includes {
+        /// Options of judging, which hold for the plan as well.
+        check: CheckRequest => |plan, check| {
+            (plan.bound, plan.bend, plan.contact) = (check.bound, check.bend, check.contact);
         };
-        options.validate()?;
-        Ok(options)
+
+        /// Options of reading the pattern.
+        reading: ReadingRequest => |_, _| ();
     }
 }
 
-/// Options of reading a drawing of lines, as the command line names them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ReadingRequest {
-    /// Distance within which lines of a drawing are meant to meet, in the drawing's own units.
-    pub tolerance: Option<f64>,
-    /// Moving of vertices, so that lines are straight or parallel and creases fold flat that nearly do.
-    #[serde(serialize_with = "by_name")]
-    pub straighten: Straighten,
-    /// Letters of the colours of an SVG drawing.
-    #[serde(serialize_with = "as_text")]
-    pub colors: Option<ColourLetters>,
-}
+options! {
+    /// Options of judging a motion.
+    CheckRequest for CheckOptions {
+        /// Largest deformation, gap and closure residual that the path may have
+        ///
+        /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
+        /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
+        /// sheets that lie 1e11 edge lengths from the origin.
+        bound: f64 = DEFAULT_BOUND, heading: "Limits", range: Some(BOUND)
+            => |check, bound| check.bound = *bound;
 
-impl Default for ReadingRequest {
-    fn default() -> Self {
-        Self {
-            tolerance: None,
-            straighten: Straighten::Auto,
-            colors: None,
-        }
+        /// Largest angle by which panels may bend about their diagonals, degrees
+        ///
+        /// A plan bends panels only if the sheet does not fold with rigid ones. Vertices close exactly; the path turns the
+        /// diagonals, lettered J, and the largest bend found is told.
+        bend: f64 = 0.0, heading: "Limits", value_name: "DEG", range: Some(BEND_DEG)
+            => |check, degrees| check.bend = degrees.to_radians();
+
+        /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
+        ///
+        /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last
+        /// digit if they are rounded. In front of a small face, at most a thousandth of the face counts.
+        contact: Option<f64> = None, heading: "Limits", value_name: "EDGES", range: Some(CONTACT_EDGES)
+            => |check, edges| check.contact = *edges;
     }
 }
 
-impl ReadingRequest {
-    /// Returns the reader's options.
+options! {
+    /// Options of reading a drawing of lines.
+    ReadingRequest for ReadOptions {
+        /// Distance within which lines of a drawing are meant to meet, in the drawing's own units
+        ///
+        /// By default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance
+        /// that keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
+        tolerance: Option<f64> = None, heading: "Drawing", value_name: "LENGTH", range: Some(TOLERANCE)
+            => |read, tolerance| read.tolerance = *tolerance;
+
+        /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
+        ///
+        /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
+        straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN"
+            => |read, straighten| read.straighten = *straighten;
+
+        /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
+        ///
+        /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut)
+        /// and J (joins a panel). A colour that is not named counts as the nearest named colour of its hue; without one it
+        /// has the meaning of Origami Simulator.
+        colors: Option<ColourLetters> = None, heading: "Drawing", value_name: "NAME=LETTER,..."
+            => |read, letters| read.colours = letters.clone().unwrap_or_default();
+    }
+}
+
+options! {
+    /// Options of exporting; each format takes some of them.
+    ExportRequest for ExportOptions {
+        /// With csv: rows a second, and one for the end [default: a row for each knot]
+        ///
+        /// The first column is the time t in seconds; angles are in degrees, valley positive.
+        rate: Option<f64> = None, value_name: "HZ", range: Some(RATE_HZ)
+            => |export, rate| export.rate = *rate;
+
+        /// With csv and --rate: what has a column
+        per: Column = Column::Hinge, requires: "rate" => |export, per| export.per = *per;
+
+        /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
+        ///
+        /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
+        /// turns by more than 6 degrees from one frame to the next.
+        frames: Option<usize> = None, value_name: "N", range: Some(FRAMES)
+            => |export, frames| export.frames = *frames;
+
+        /// With svg: meaning of the colours
+        colour: Colour = Colour::Letters => |export, colour| export.colour = *colour;
+    }
+}
+
+impl ExportRequest {
+    /// Checks that a format takes the options that are given.
     ///
     /// # Errors
-    /// If the tolerance is no positive length.
-    pub fn options(&self) -> Result<ReadOptions, RequestError> {
-        let is_length = |tolerance: f64| tolerance > 0.0 && tolerance.is_finite();
-        if let Some(found) = self.tolerance.filter(|tolerance| !is_length(*tolerance)) {
-            return Err(RequestError::Usage(format!(
-                "--tolerance: expected a finite length above 0, found {found}"
-            )));
-        }
-        Ok(ReadOptions {
-            format: None,
-            tolerance: self.tolerance,
-            straighten: self.straighten,
-            colours: self.colors.clone().unwrap_or_default(),
-        })
+    /// The first option that the format does not take.
+    pub fn check_for(&self, format: &Format) -> Result<(), RequestError> {
+        let given = Self::TABLE.iter().filter(|row| row.is_given(self));
+        let mut others = given.filter(|row| !format.options.contains(&row.info.name));
+        let Some(Row { info, .. }) = others.next() else {
+            return Ok(());
+        };
+        let takers = FORMATS
+            .iter()
+            .filter(|format| format.options.contains(&info.name));
+        let takers: Vec<String> = takers
+            .map(|format| format!("--to {}", format.name))
+            .collect();
+        let expected = format!(
+            "expected {}, found --to {}",
+            takers.join(" or "),
+            format.name
+        );
+        Err(info.refused(&expected))
     }
 }
 
-/// Serialises letters of colours as their text.
-#[allow(clippy::ref_option, reason = "serde passes the field so")]
-fn as_text<S: Serializer>(value: &Option<ColourLetters>, serializer: S) -> Result<S::Ok, S::Error> {
-    let text = value.as_ref().map(ToString::to_string);
-    text.serialize(serializer)
+/// Returns the time that a number of seconds allows; `None` for one that is too large for a `Duration`.
+fn duration(seconds: f64) -> Option<Duration> {
+    Duration::try_from_secs_f64(seconds).ok()
 }
 
 /// Returns the time that `--timeout` allows, if it does.
@@ -228,13 +250,9 @@ fn as_text<S: Serializer>(value: &Option<ColourLetters>, serializer: S) -> Resul
 /// # Errors
 /// If the number of seconds is negative or not a number.
 pub fn timeout(seconds: Option<f64>) -> Result<Option<Duration>, RequestError> {
-    let timeout = seconds.map(|seconds| {
-        // A number of seconds that is too large for a `Duration` is no timeout.
-        let timeout = Duration::try_from_secs_f64(seconds).ok();
-        (seconds >= 0.0).then_some(timeout).ok_or_else(|| {
-            let text = format!("--timeout: expected seconds from 0, found {seconds}");
-            RequestError::Usage(text)
-        })
-    });
-    Ok(timeout.transpose()?.flatten())
+    if let Some(found) = seconds.filter(|seconds| !TIMEOUT_S.contains(*seconds)) {
+        let text = format!("--timeout: expected {TIMEOUT_S}, found {found}");
+        return Err(RequestError::Usage(text));
+    }
+    Ok(seconds.and_then(duration))
 }

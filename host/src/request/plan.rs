@@ -7,6 +7,7 @@ use super::error::RequestError;
 use super::goal::NamedGoal;
 use super::names::Frames;
 use super::options::PlanRequest;
+use super::table::Request as _;
 use crate::pattern::CreasePattern;
 use crate::planner::{Foldability, Goal, Outcome, Plan, PlanOptions, forecast, plan_watched};
 use crate::progress::{Progress, Watch};

@@ -6,4 +6,5 @@ pub mod csr;
 pub(crate) mod nan_max;
 pub mod parallel;
 pub mod progress;
+pub mod range;
 pub(crate) mod union_find;

@@ -88,29 +88,26 @@ def to_json(value: Any) -> str:
 
 def options(given: Mapping[str, Any]) -> str:
     """Return those options that are given as a JSON object."""
-    return to_json({name: value for name, value in given.items() if value is not None})
+    return to_json({name: _option(value) for name, value in given.items() if value is not None})
 
 
-def edges_with(
-    given: Mapping[int, Any] | Iterable[str] | str | None,
-) -> list[str] | None:
-    """Return texts such as ``4=-45`` and ``7=-30..60`` of a dictionary from edges to angles or ranges, in degrees."""
-    if given is None:
-        return None
-    if isinstance(given, str):
-        return [given]
-    if not isinstance(given, Mapping):
-        return [str(item) for item in given]
-    texts = []
-    for edge, angle in given.items():
-        try:
-            number = operator.index(edge)
-            if np.ndim(angle):
-                lower, upper = (float(end) for end in angle)
-                texts.append(f"{number}={lower!r}..{upper!r}")
-            else:
-                texts.append(f"{number}={float(angle)!r}")
-        except (TypeError, ValueError):
-            text = "expected the number of an edge with an angle, or with a lower and an upper angle"
-            raise FoldpathError(f"{text}, found {edge!r}: {angle!r}") from None
-    return texts
+def _option(value: Any) -> Any:
+    """Return the value of an option as the command line has it; a dictionary becomes texts of edges with angles."""
+    if isinstance(value, Mapping):
+        return [_edge_with(edge, angle) for edge, angle in value.items()]
+    if isinstance(value, (str, bytes, os.PathLike, np.ndarray)) or not isinstance(value, Iterable):
+        return value
+    return list(value)
+
+
+def _edge_with(edge: Any, angle: Any) -> str:
+    """Return a text such as ``4=-45`` or ``7=-30..60``, in degrees."""
+    try:
+        number = operator.index(edge)
+        if np.ndim(angle):
+            lower, upper = (float(end) for end in angle)
+            return f"{number}={lower!r}..{upper!r}"
+        return f"{number}={float(angle)!r}"
+    except (TypeError, ValueError):
+        text = "expected the number of an edge with an angle, or with a lower and an upper angle"
+        raise FoldpathError(f"{text}, found {edge!r}: {angle!r}") from None

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
-from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, threads
+from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, options, threads
 from ._error import FoldpathError
 from ._pattern import Source, content
 
@@ -112,27 +112,36 @@ class Motion:
     ) -> None:
         """Export the motion, as ``foldpath export`` does.
 
-        ``to`` is the format: ``traj`` for a controller, ``csv``, ``rust`` constants, ``obj`` and ``glb`` for renderers,
-        ``svg`` for a drawing of the pattern, ``mjcf`` for physics engines, ``joint-trajectory`` for ROS. With ``obj`` and
-        ``mjcf``, ``file`` is a folder. ``rate`` (hertz) and ``per`` go with ``csv``, ``frames`` with ``obj`` and ``glb``,
-        ``colour`` with ``svg``.
+        The formats:
+
+        - ``traj``: File that a controller stores and follows: group angles and rates at the knots, with limits
+        - ``csv``: One row for each knot, or at a fixed rate: time in seconds and fold angles in degrees
+        - ``rust``: Contents of a .traj file as Rust constants, which need foldpath-core but no std
+        - ``obj``: Sequence of Wavefront OBJ files, one for each frame; ``file`` is a folder, or the beginning of the names
+        - ``glb``: Binary glTF 2.0 with the motion as an animation
+        - ``svg``: Coloured drawing of the crease pattern
+        - ``mjcf``: Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel; ``file`` is a folder
+        - ``joint-trajectory``: ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
+
+        The options:
+
+        - ``rate``: With csv: rows a second, and one for the end [default: a row for each knot]. The first column is
+          the time t in seconds; angles are in degrees, valley positive
+        - ``per``: With csv and --rate: what has a column
+        - ``frames``: With obj or glb: number of frames, 2 to 2000, evenly spaced in time. By default obj has one
+          frame for each knot. By default glb also has frames between the knots, so that no hinge turns by more than 6
+          degrees from one frame to the next
+        - ``colour``: With svg: meaning of the colours
         """
-        arguments = [f"--to={to}", f"--output={os.fsdecode(file)}"]
-        given = {"rate": rate, "per": per, "frames": frames, "colour": colour}
+        given = dict(locals())
+        arguments = [f"--output={os.fsdecode(given.pop('file'))}"]
+        del given["self"]
         arguments += [f"--{name}={value}" for name, value in given.items() if value is not None]
         self._path.export(arguments)
 
-    def check(
-        self,
-        *,
-        bound: float = 0.01,
-        bend: float = 0.0,
-        contact: float | None = None,
-        jobs: int | None = None,
-    ) -> Verdict:
-        """Judge the motion; see :func:`check`."""
-        text = self._path.check(bound, bend, contact, threads(jobs), is_forked())
-        return Verdict(json.loads(text))
+    def check(self, *, jobs: int | None = None, **given: Any) -> Verdict:
+        """Judge the motion; see :func:`check` for the options."""
+        return check(self, jobs=jobs, **given)
 
     def _repr_html_(self) -> str:
         page = html.escape(self.page())
@@ -205,10 +214,21 @@ def check(
 ) -> Verdict:
     """Judge a motion afresh, or a path file: rigidity, closure, signs and crossings, at the knots and between them.
 
-    ``bound`` is the largest deformation, gap and closure residual allowed, ``bend`` the angle in degrees by which panels
-    may bend, ``contact`` the depth up to which panels that touch may overlap, in median edges. ``jobs`` threads share
-    the work.
+    The options:
+
+    - ``bound``: Largest deformation, gap and closure residual that the path may have. Deformation is the change of an
+      edge's length over that length. Gap is the distance between the positions that faces give one vertex, over the
+      median edge. A note says so if rounding alone may exceed the bound, as for sheets that lie 1e11 edge lengths
+      from the origin
+    - ``bend``: Largest angle by which panels may bend about their diagonals, degrees. A plan bends panels only if the
+      sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals, lettered J, and the
+      largest bend found is told
+    - ``contact``: Depth up to which faces may overlap that touch, in median edges, at most 0.001. Without this option
+      it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit if they are
+      rounded. In front of a small face, at most a thousandth of the face counts
     """
+    given = dict(locals())
+    motion, jobs = given.pop("motion"), given.pop("jobs")
     if not isinstance(motion, Motion):
         motion = load(motion)
-    return motion.check(bound=bound, bend=bend, contact=contact, jobs=jobs)
+    return Verdict(json.loads(motion._path.check(options(given), threads(jobs), is_forked())))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import json
 import os
@@ -17,7 +18,6 @@ from ._error import FoldpathError
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-Straighten = Literal["auto", "on", "off"]
 Source = Union[File, bytes, bytearray, memoryview, Mapping[str, Any], "io.IOBase"]
 
 
@@ -109,22 +109,38 @@ def read(
     source: Source,
     *,
     tolerance: float | None = None,
-    straighten: Straighten = "auto",
+    straighten: Literal["auto", "on", "off"] = "auto",
     colors: str | None = None,
 ) -> Pattern:
     """Read a crease pattern.
 
     ``source`` is the name of a file (FOLD, SVG, CP, OPX or OBJ), its bytes, a binary file that is open, or a dictionary
-    in the form of FOLD. The options are those of the command line: ``tolerance`` is the distance within which lines of a
-    drawing are meant to meet, ``straighten`` moves vertices a little, and ``colors`` gives the letters of an SVG
-    drawing's colours, such as ``"red=V,blue=M"``.
+    in the form of FOLD. The options are those of the command line.
+
+    The options:
+
+    - ``tolerance``: Distance within which lines of a drawing are meant to meet, in the drawing's own units. By
+      default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
+      keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces
+    - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
+      do. No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much
+    - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
+      or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
+      colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
+      Origami Simulator
 
     Raises :class:`FoldpathError` if the source holds no crease pattern.
     """
-    given = options({"tolerance": tolerance, "straighten": straighten, "colors": colors})
+    given = dict(locals())
+    given.pop("source")
+    reading = options(given)
     if isinstance(source, (str, os.PathLike)):
-        return Pattern(_foldpath.Sheet.read(source, given))
-    return Pattern(_foldpath.Sheet.parse("<bytes>", content(source), given))
+        return Pattern(_foldpath.Sheet.read(source, reading))
+    return Pattern(_foldpath.Sheet.parse("<bytes>", content(source), reading))
+
+
+#: Names of the options of :func:`read`.
+READING = [name for name in inspect.signature(read).parameters if name != "source"]
 
 
 def content(source: Source) -> bytes:
@@ -164,68 +180,80 @@ def closure(pattern: Pattern, angles: ArrayLike) -> tuple[Floats, csr_matrix]:
     return rows, matrix
 
 
-def _family(family: str, **parameters: Any) -> Pattern:
-    given = {name: value for name, value in parameters.items() if value is not None}
-    return Pattern(_foldpath.Sheet.generate(to_json({"family": family, **given})))
+def _family(family: str, parameters: Mapping[str, Any]) -> Pattern:
+    return Pattern(_foldpath.Sheet.generate(to_json({"family": family, **parameters})))
+
+
+# The families, made of the table in host/src/request/families.rs.
 
 
 def miura(rows: int, columns: int, angle: float = 60.0, fold: float = 0.9) -> Pattern:
-    """Make a Miura fold of ``rows`` x ``columns`` parallelograms with sides of length 1.
+    """Miura fold of rows x columns parallelograms with sides of length 1.
 
-    ``angle`` is the sector angle in degrees, ``fold`` the goal: the angle of the zigzag creases as a fraction of 180
-    degrees.
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    - ``angle``: Sector angle, degrees
+    - ``fold``: Goal: fold angle of the zigzag creases, as a fraction of 180 degrees
     """
-    return _family("miura", rows=rows, cols=columns, angle=angle, fold=fold)
+    return _family("miura", locals())
 
 
 def waterbomb(rows: int, columns: int, fold: float = 0.5) -> Pattern:
-    """Make a waterbomb tessellation on ``rows`` x ``columns`` unit squares; rows are counted round the tube.
+    """Waterbomb tessellation on rows x columns unit squares; rows are counted round the tube.
 
-    ``fold`` is the goal: the angle of the boundary lines as a fraction of 180 degrees.
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    - ``fold``: Goal: fold angle of the boundary lines, as a fraction of 180 degrees
     """
-    return _family("waterbomb", rows=rows, cols=columns, fold=fold)
+    return _family("waterbomb", locals())
 
 
 def yoshimura(rows: int, columns: int, angle: float = 30.0, fold: float = 0.25) -> Pattern:
-    """Make a Yoshimura pattern on ``rows`` x ``columns`` cells with one diagonal each.
+    """Yoshimura pattern on rows x columns cells with one diagonal each.
 
-    ``angle`` lies between diagonals and straight creases, in degrees; ``fold`` is the goal: the angle of the straight
-    creases as a fraction of 180 degrees.
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    - ``angle``: Angle between diagonals and straight creases, degrees
+    - ``fold``: Goal: fold angle of the straight creases, as a fraction of 180 degrees
     """
-    return _family("yoshimura", rows=rows, cols=columns, angle=angle, fold=fold)
+    return _family("yoshimura", locals())
 
 
 def quad(rows: int = 24, columns: int = 24, fold: float = 0.0675) -> Pattern:
-    """Make slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold.
+    """Slender parallelograms with one diagonal each, all creases valley; this sheet cannot fold.
 
-    ``fold`` is the goal: the angle of the diagonals as a fraction of 180 degrees.
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    - ``fold``: Goal: fold angle of the diagonals, as a fraction of 180 degrees
     """
-    return _family("quad", rows=rows, cols=columns, fold=fold)
+    return _family("quad", locals())
 
 
-def square_twist(
-    rows: int = 1,
-    columns: int = 1,
-    angle: float = 60.0,
-    letters: Literal["foldable", "unfoldable"] = "foldable",
-    fold: float = 0.5,
-) -> Pattern:
-    """Make square twists on ``rows`` x ``columns`` tiles; each tile mirrors its neighbours.
+def square_twist(rows: int = 1, columns: int = 1, angle: float = 60.0, letters: Literal["foldable", "unfoldable"] = "foldable", fold: float = 0.5) -> Pattern:
+    """Square twists on rows x columns tiles; each tile mirrors its neighbours.
 
-    ``angle`` lies between the sides of a square and its pleats, in degrees. The sheet folds with ``letters``
-    ``"foldable"``; its goal is then ``fold``, the angle of the creases that turn most as a fraction of 180 degrees.
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    - ``angle``: Angle between the sides of a square and its pleats, degrees
+    - ``letters``: Letters with which the sheet folds, or with which it does not
+    - ``fold``: Goal of foldable letters: fold angle of the creases that turn most, as a fraction of 180 degrees
     """
-    return _family("square-twist", rows=rows, cols=columns, angle=angle, letters=letters, fold=fold)
+    return _family("square-twist", locals())
 
 
 def resch(rows: int = 3, columns: int = 3) -> Pattern:
-    """Make Ron Resch's triangular tessellation of ``rows`` x ``columns`` stars; its goal is closed to a plane."""
-    return _family("resch", rows=rows, cols=columns)
+    """Ron Resch's triangular tessellation of rows x columns stars; its goal is closed to a plane.
+
+    - ``rows``: Number of rows
+    - ``columns``: Number of columns
+    """
+    return _family("resch", locals())
 
 
 def kresling(rows: int = 2, columns: int = 6) -> Pattern:
-    """Make a flat conical Kresling pattern: ``rows`` rings round a polygon of ``columns`` sides.
+    """Flat conical Kresling pattern: rows rings round a polygon of columns sides. The goal closes, but no motion leads to it.
 
-    Its goal closes, but no motion leads to it.
+    - ``rows``: Number of rings
+    - ``columns``: Number of sides of the polygon, even
     """
-    return _family("kresling", rows=rows, cols=columns)
+    return _family("kresling", locals())

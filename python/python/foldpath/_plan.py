@@ -7,12 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, Union
 
 from . import _foldpath
-from ._convert import File, edges_with, is_forked, options, threads
+from ._convert import File, is_forked, options, threads
 from ._motion import Motion
-from ._pattern import Pattern, Source, Straighten, read
-
-OnOff = Literal["on", "off"]
-AutoOff = Literal["auto", "off"]
+from ._pattern import READING, Pattern, Source, read
 
 
 class Plan:
@@ -78,14 +75,11 @@ def plan(
     via: Iterable[File] | File | None = None,
     goal_tolerance: float = 1.0,
     limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | None = None,
-    bound: float = 0.01,
-    bend: float = 0.0,
     keep: bool = False,
-    contact: float | None = None,
-    symmetry: AutoOff = "auto",
+    symmetry: Literal["auto", "off"] = "auto",
     vertices: Literal["essential", "all"] = "essential",
-    reuse: AutoOff | None = None,
-    collision: OnOff = "on",
+    reuse: Literal["auto", "off"] | None = None,
+    collision: Literal["on", "off"] = "on",
     interpolation: Literal["auto", "half-angle", "hermite", "homogeneous", "linear"] = "auto",
     max_speed: float = 45.0,
     max_accel: float | None = None,
@@ -97,8 +91,11 @@ def plan(
     objective: Literal["max", "sum"] = "max",
     seed: int = 0,
     timeout: float | None = None,
+    bound: float = 0.01,
+    bend: float = 0.0,
+    contact: float | None = None,
     tolerance: float | None = None,
-    straighten: Straighten | None = None,
+    straighten: Literal["auto", "on", "off"] | None = None,
     colors: str | None = None,
     jobs: int | None = None,
 ) -> Plan:
@@ -114,46 +111,61 @@ def plan(
 
     Raises :class:`FoldpathError`, a ``ValueError`` with the text of the command line, for bad input or options. An answer
     without a motion is an outcome, not an error.
+
+    The options:
+
+    - ``goal``: FOLD file of the same sheet whose fold angles are the goal
+    - ``fold``: Fold each crease by this fraction of a half turn, as its letter says. With 0 the goal is the flat
+      sheet. Together with --via the path then leads back to flat
+    - ``crease``: Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable.
+      Edges are counted from 0
+    - ``via``: FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable. The
+      path passes through several such files in the order given
+    - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
+    - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
+      from 0
+    - ``keep``: Write the path as far as it goes, even if the answer is no
+    - ``symmetry``: Unknowns of the plan: crease groups, or single creases
+    - ``vertices``: Vertices whose closure conditions are solved
+    - ``collision``: Search for faces that pass through each other
+    - ``interpolation``: Interpolation of the motion between knots
+    - ``max_speed``: Largest speed of a hinge, degrees per second
+    - ``max_accel``: Largest acceleration of a hinge, degrees per second squared [default: no limit]. With such a
+      limit the path begins and ends at rest
+    - ``pace``: Time law along the path
+    - ``max_knots``: Largest number of knots of the path [default: no limit]
+    - ``frames``: Data that each knot stores
+    - ``solver``: Solver that closes the sheet
+    - ``search``: Method by which the path is found
+    - ``objective``: Objective by which the randomised search measures closure
+    - ``seed``: Seed of all random numbers
+    - ``timeout``: Stop after this time, seconds, counted from the start of the command [default: no limit]
+    - ``bound``: Largest deformation, gap and closure residual that the path may have. Deformation is the change of an
+      edge's length over that length. Gap is the distance between the positions that faces give one vertex, over the
+      median edge. A note says so if rounding alone may exceed the bound, as for sheets that lie 1e11 edge lengths
+      from the origin
+    - ``bend``: Largest angle by which panels may bend about their diagonals, degrees. A plan bends panels only if the
+      sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals, lettered J, and the
+      largest bend found is told
+    - ``contact``: Depth up to which faces may overlap that touch, in median edges, at most 0.001. Without this option
+      it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit if they are
+      rounded. In front of a small face, at most a thousandth of the face counts
+    - ``tolerance``: Distance within which lines of a drawing are meant to meet, in the drawing's own units. By
+      default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
+      keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces
+    - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
+      do. No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much
+    - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
+      or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
+      colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
+      Origami Simulator
     """
-    given: dict[str, Any] = {
-        "goal": goal,
-        "fold": fold,
-        "crease": edges_with(crease),
-        "via": via if via is None or isinstance(via, (str, bytes)) else _list(via),
-        "goal_tolerance": goal_tolerance,
-        "limit": edges_with(limit),
-        "bound": bound,
-        "bend": bend,
-        "keep": keep,
-        "contact": contact,
-        "symmetry": symmetry,
-        "vertices": vertices,
-        "reuse": reuse,
-        "collision": collision,
-        "interpolation": interpolation,
-        "max_speed": max_speed,
-        "max_accel": max_accel,
-        "pace": pace,
-        "max_knots": max_knots,
-        "frames": frames,
-        "solver": solver,
-        "search": search,
-        "objective": objective,
-        "seed": seed,
-        "timeout": timeout,
-    }
-    reads = False
-    reading = {"tolerance": tolerance, "straighten": straighten, "colors": colors}
-    if isinstance(pattern, Pattern):
-        given.update(reading)
-    else:
-        known: dict[str, Any] = {name: value for name, value in reading.items() if value is not None}
-        pattern = read(pattern, **known)
-        reads = True
+    given = dict(locals())
+    pattern, jobs = given.pop("pattern"), given.pop("jobs")
+    reads = not isinstance(pattern, Pattern)
+    if not isinstance(pattern, Pattern):
+        reading = {name: given.pop(name) for name in READING}
+        pattern = read(pattern, **{name: value for name, value in reading.items() if value is not None})
     answer = _foldpath.plan(pattern._sheet, options(given), reads, threads(jobs), is_forked())
     path = answer.path()
     return Plan(answer.outcome, answer.reason, answer.json, None if path is None else Motion(path))
-
-
-def _list(via: Any) -> list[File]:
-    return [via] if hasattr(via, "__fspath__") else list(via)

@@ -12,8 +12,7 @@ use crate::CliError;
 use crate::args::Shard;
 use crate::plan::Job;
 use crate::standard::{Input, is_standard};
-use foldpath::generate::Family;
-use foldpath::request::PlanRequest;
+use foldpath::request::{Family, PlanRequest, Request};
 
 /// Longest line that is read, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -206,7 +205,7 @@ fn is_device(path: &Path) -> bool {
 pub(super) struct Design {
     pub(super) id: String,
     pattern: Option<PathBuf>,
-    generate: Option<Family>,
+    generate: Option<Map<String, Value>>,
     #[serde(default)]
     plan: Option<Map<String, Value>>,
     /// File to write the path to.
@@ -233,7 +232,7 @@ impl Design {
         let usage = |text: String| CliError::Usage(text);
         let input = match (&self.pattern, &self.generate) {
             (Some(pattern), None) => Input::of_file(pattern),
-            (None, Some(family)) => Input::of_family(family)?,
+            (None, Some(family)) => Input::of_family(&Family::of(family)?)?,
             _ => return Err(usage("expected either pattern or generate".into())),
         };
         let request = self.request(timeout)?;

@@ -274,7 +274,7 @@ fn every_line_has_a_result_whatever_is_in_it() {
         (
             "{\"id\": \"d\", \"pattern\": \"miura.fold\", \"plan\": {\"bound\": 0}}",
             "d",
-            "--bound: expected a number above 0",
+            "--bound: expected a fraction above 0 and at most 1, found 0",
         ),
         (
             "{\"id\": \"e\", \"pattern\": \"miura.fold\", \"plan\": {\"boud\": 1}}",
@@ -304,7 +304,7 @@ fn every_line_has_a_result_whatever_is_in_it() {
         (
             "{\"id\": \"j\", \"generate\": {\"family\": \"cube\"}}",
             "j",
-            "unknown variant `cube`",
+            "family: expected one of miura, waterbomb, yoshimura, quad, square-twist, resch, kresling, found cube",
         ),
         (
             "{\"id\": \"k\", \"pattern\": \"miura.fold\", \"path\": \"miura.fold\"}",
@@ -413,7 +413,11 @@ fn a_design_that_ends_its_process_or_hangs_is_a_result() {
         );
         let mut run = start(&folder, "batch designs.jsonl -o results.jsonl --jobs 1");
         let worker = loop {
-            if let [worker] = &children(run.id())[..] {
+            // Stopped before it is a program of its own, it would stop the process that starts it.
+            if let [worker] = &children(run.id())[..]
+                && fs::read_to_string(format!("/proc/{worker}/cmdline"))
+                    .is_ok_and(|arguments| arguments.contains("--worker"))
+            {
                 break worker.clone();
             }
             sleep(Duration::from_millis(5));

@@ -88,6 +88,12 @@ fn usage() {
         plan miura.fold --max-accel=-1
         plan miura.fold --max-accel inf
         plan miura.fold --timeout=-1
+        plan miura.fold --timeout NaN
+        plan miura.fold --fold NaN
+        plan miura.fold --bound inf
+        plan miura.fold --max-speed NaN
+        check path.fold --bound NaN
+        generate miura --rows 3 --cols 3 --angle NaN -o a.fold
         plan miura.fold --via miura.fold --search random
         plan miura.fold -o miura.fold
         plan miura.fold --goal goal.fold -o goal.fold
@@ -397,7 +403,7 @@ fn errors_of_the_libraries() {
     let pattern = PatternError::NotFinite { vertex: 3 };
     let options = OptionsError {
         option: "bound",
-        expected: "a number above 0",
+        expected: "a number above 0".into(),
         found: -1.0,
     };
     let io = FileError::Io {
@@ -559,7 +565,7 @@ const WORDLESS: [(&str, &str); 12] = [
     ("Hinge", "expected a hinge between two faces"),
     (
         "Options",
-        "foldpath: --bound: expected a number above 0, found 0",
+        "foldpath: --limit: expected MIN..MAX within -180..180 degrees",
     ),
     ("OptionsError", "bound: expected a number above 0, found -1"),
     ("ParameterError", "--rows: expected 1 to 3000, found 0"),

@@ -338,11 +338,11 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
     for (arguments, expected) in [
         (
             "path.fold --to csv -o a --frames 9",
-            "--frames: expected --to obj or --to glb, which have frames",
+            "--frames: expected --to obj or --to glb, found --to csv",
         ),
         (
             "path.fold --to glb -o a --colour groups",
-            "--colour: expected --to svg, which has colours",
+            "--colour: expected --to svg, found --to glb",
         ),
         (
             "far.fold --to glb -o a",
@@ -371,7 +371,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
         .run("export path.fold --to glb -o a --frames 1")
         .with_status(2);
     assert!(
-        answer.stderr.contains("1 is not in 2..=2000"),
+        answer.tells("--frames: expected a number of frames from 2 to 2000, found 1"),
         "{}",
         answer.stderr
     );

@@ -11,6 +11,7 @@ mod drive;
 mod errors;
 mod exchange;
 mod export;
+mod generated;
 mod help;
 mod hostile;
 mod jobs;
