@@ -14,3 +14,6 @@ pub mod figures;
 pub mod hinges;
 pub mod plant;
 pub mod probe;
+
+#[cfg(not(target_os = "none"))]
+pub use foldpath_controller as controller;

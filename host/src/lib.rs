@@ -172,13 +172,16 @@ pub mod lattice;
 pub mod motion;
 pub mod pattern;
 pub mod planner;
+#[cfg(feature = "plot")]
 pub mod plot;
 pub mod read;
 pub mod request;
+#[cfg(feature = "stream")]
 pub mod stream;
 pub mod symmetry;
 pub mod unfold;
 pub mod util;
 pub mod view;
 
+pub use nalgebra::{Vector2, Vector3};
 pub use util::progress;

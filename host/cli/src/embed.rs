@@ -111,7 +111,7 @@ impl Source {
     /// # Errors
     /// If the file cannot be read, or is too large.
     pub fn pattern_bytes(&self) -> Result<Vec<u8>, Refusal> {
-        Ok(self.input.pattern_bytes()?.into_owned())
+        Ok(self.input.bytes()?.into_owned())
     }
 
     /// Parses a crease pattern from the bytes of this source.

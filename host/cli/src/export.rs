@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
         export(args, &options, Source::Motion(motion), &input.name, quiet)?
     } else {
         let reading = args.reading.get()?.options()?;
-        let file = input.pattern(&input.pattern_bytes()?, &reading)?;
+        let file = input.pattern(&input.bytes()?, &reading)?;
         let source = Source::Pattern(&file.title, &file.pattern);
         export(args, &options, source, &input.name, quiet)?
     };

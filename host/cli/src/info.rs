@@ -16,7 +16,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let watch = Watch::default().until(deadline);
     let options = args.reading.get()?.options()?;
     let input = Input::of(&args.pattern)?;
-    let file = input.pattern(&input.pattern_bytes()?, &options)?;
+    let file = input.pattern(&input.bytes()?, &options)?;
     drop(input);
     let pattern = &file.pattern;
     let info = PatternInfo::of(pattern, watch);

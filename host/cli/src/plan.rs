@@ -85,7 +85,7 @@ impl Job {
         let start = Instant::now();
         let reading = self.request.reading.options()?;
         let source = source.map_or_else(|| Input::of(&self.pattern), Ok)?;
-        let bytes = source.pattern_bytes()?;
+        let bytes = source.bytes()?;
         let input = if self.json {
             InputJson::of(&source.name, &bytes)
         } else {

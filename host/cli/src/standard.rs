@@ -9,13 +9,13 @@ use crate::{CliError, print, say};
 use foldpath::export::fold::write_pattern;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::fold::{PatternFile, parse_goal, parse_motion, read_goal, read_motion};
+use foldpath::read::fold::{PatternFile, parse_goal, parse_motion};
 use foldpath::read::{
-    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape_as,
-    read_pattern_bytes, read_shape, read_stream,
+    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape_as, read_file,
+    read_stream,
 };
 use foldpath::request::Family;
-use foldpath::stream::{parse_script, read_script};
+use foldpath::stream::parse_script;
 use foldpath_firmware_sim::hinges::Trouble;
 
 /// Name of stdin in messages.
@@ -106,25 +106,39 @@ impl Input {
         })
     }
 
-    /// Returns an error about this input, with the text if it cannot be read again.
-    fn wrong(&self, error: FileError) -> CliError {
+    /// Returns the bytes, of a file of any format.
+    pub(crate) fn bytes(&self) -> Result<Cow<'_, [u8]>, CliError> {
         match &self.piped {
-            None => error.into(),
-            Some((bytes, _)) => {
-                let text = String::from_utf8_lossy(bytes);
-                let text = text.trim_start_matches('\u{feff}').to_string();
-                let error = Box::new(error);
-                CliError::Piped { error, text }
-            }
+            Some((bytes, _)) => Ok(bytes.into()),
+            None => Ok(read_file(&self.name)?.into()),
         }
     }
 
-    /// Returns the bytes of a crease pattern.
-    pub(crate) fn pattern_bytes(&self) -> Result<Cow<'_, [u8]>, CliError> {
-        match &self.piped {
-            Some((bytes, _)) => Ok(bytes.into()),
-            None => Ok(read_pattern_bytes(&self.name)?.into()),
-        }
+    /// Parses the bytes. An error has the text of what cannot be read again.
+    fn parsed<T>(
+        &self,
+        parse: impl FnOnce(&Path, &[u8]) -> Result<T, FileError>,
+    ) -> Result<T, CliError> {
+        self.parsed_from(&self.bytes()?, parse)
+    }
+
+    fn parsed_from<T>(
+        &self,
+        bytes: &[u8],
+        parse: impl FnOnce(&Path, &[u8]) -> Result<T, FileError>,
+    ) -> Result<T, CliError> {
+        parse(&self.name, bytes).map_err(|error| match &self.piped {
+            None => error.into(),
+            Some((bytes, _)) => CliError::Piped {
+                error: Box::new(error),
+                text: text(bytes),
+            },
+        })
+    }
+
+    fn format(&self) -> Format {
+        let found = self.piped.as_ref().map(|(_, format)| *format);
+        found.unwrap_or_else(|| Format::of_name(&self.name))
     }
 
     /// Parses a crease pattern from the bytes of this input.
@@ -133,89 +147,61 @@ impl Input {
         bytes: &[u8],
         options: &ReadOptions,
     ) -> Result<PatternFile, CliError> {
-        let format = self.piped.as_ref().map(|(_, format)| *format);
         let options = ReadOptions {
-            format,
+            format: Some(self.format()),
             ..options.clone()
         };
-        parse_pattern_with(&self.name, bytes, &options).map_err(|error| self.wrong(error))
+        self.parsed_from(bytes, |name, bytes| {
+            parse_pattern_with(name, bytes, &options)
+        })
     }
 
     /// Reads a motion. `user` names what needs it, if the file is one of another format.
     pub(crate) fn motion_for(&self, user: &str) -> Result<Motion, CliError> {
-        let format = match &self.piped {
-            Some((_, format)) => *format,
-            None => Format::of_name(&self.name),
-        };
-        match self.motion() {
-            Err(CliError::File(FileError::Syntax { .. }) | CliError::Piped { .. })
-                if format != Format::Fold =>
-            {
-                Err(self.wrong(FileError::Expected {
-                    path: self.name.clone(),
-                    place: "the file".into(),
-                    expected: format!("a path, which {user} needs"),
-                    found: format.described(),
-                }))
-            }
-            read => read,
+        let (format, motion) = (self.format(), self.motion());
+        if motion.is_ok() || format == Format::Fold {
+            return motion;
         }
+        self.parsed(|name, _| {
+            Err(FileError::Expected {
+                path: name.to_path_buf(),
+                place: "the file".into(),
+                expected: format!("a path, which {user} needs"),
+                found: format.described(),
+            })
+        })
     }
 
     /// Reads a motion.
     pub(crate) fn motion(&self) -> Result<Motion, CliError> {
-        let motion = match &self.piped {
-            Some((bytes, _)) => parse_motion(&self.name, bytes),
-            None => read_motion(&self.name),
-        };
-        motion.map_err(|error| self.wrong(error))
+        self.parsed(parse_motion)
     }
 
-    /// Reads the goal angles (radians) of the creases of a pattern.
-    pub(crate) fn goal(&self, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, CliError> {
-        let goal = match &self.piped {
-            Some((bytes, _)) => parse_goal(&self.name, bytes, pattern),
-            None => read_goal(&self.name, pattern),
-        };
-        goal.map_err(|error| self.wrong(error))
-    }
-
-    /// Reads the goal angles as [`goal`](Self::goal) does, and returns them with the name of this input.
+    /// Reads the goal angles (radians) of the creases of a pattern, and returns them with the name of this input.
     pub(crate) fn named_goal(
         &self,
         pattern: &CreasePattern,
     ) -> Result<(String, Vec<Option<f64>>), CliError> {
-        Ok((self.name.display().to_string(), self.goal(pattern)?))
+        let goal = self.parsed(|name, bytes| parse_goal(name, bytes, pattern))?;
+        Ok((self.name.display().to_string(), goal))
     }
 
     /// Reads a folded shape.
     pub(crate) fn shape(&self, frame: Option<usize>) -> Result<ShapeFile, CliError> {
-        let shape = match &self.piped {
-            Some((bytes, format)) => parse_shape_as(*format, &self.name, bytes, frame),
-            None => read_shape(&self.name, frame),
-        };
-        shape.map_err(|error| self.wrong(error))
+        let format = self.format();
+        self.parsed(|name, bytes| parse_shape_as(format, name, bytes, frame))
     }
 
     /// Reads a script of disturbances of hinges.
     pub(crate) fn script(&self, hinges: usize) -> Result<Vec<(u64, Trouble)>, CliError> {
-        let script = match &self.piped {
-            Some((bytes, _)) => parse_script(&self.name, &String::from_utf8_lossy(bytes), hinges),
-            None => read_script(&self.name, hinges),
-        };
-        script.map_err(|error| self.wrong(error))
+        self.parsed(|name, bytes| parse_script(name, &text(bytes), hinges))
     }
+}
 
-    /// Reads all bytes, as of a file of any format.
-    pub(crate) fn bytes(self) -> Result<Vec<u8>, CliError> {
-        match self.piped {
-            Some((bytes, _)) => Ok(bytes),
-            None => std::fs::read(&self.name).map_err(|source| {
-                let path = self.name;
-                FileError::Io { path, source }.into()
-            }),
-        }
-    }
+/// Returns bytes as text, without a byte order mark.
+fn text(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    text.trim_start_matches('\u{feff}').to_string()
 }
 
 /// Prints a summary: on stdout, or on stderr if stdout gets the file that the command writes.

@@ -8,11 +8,17 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::curves::{Curves, Point};
-use crate::colours::of_group;
+use crate::colours;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+/// Returns the colour of a crease group.
+fn of_group(index: usize) -> RGBColor {
+    let [red, green, blue] = colours::of_group(index);
+    RGBColor(red, green, blue)
+}
 
 /// Width of the picture and height of a panel, pixels. plotters rounds coordinates to pixels, so a large picture is
 /// finer.

@@ -15,9 +15,6 @@ use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
-/// Largest size of a file, bytes.
-pub(super) const LARGEST_FILE: u64 = 1 << 28;
-
 /// Parses a crease pattern from the text of a file. A CP file names no angles, so its creases have no goals. Empty
 /// lines and lines that begin with `#` are skipped.
 ///

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{BYTE_ORDER_MARK, cp, fold, obj, opx, stl, svg};
+use super::{BYTE_ORDER_MARK, fold, stl};
 
 /// Format of a file that is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -101,11 +101,8 @@ impl Format {
     pub fn largest_file(self) -> u64 {
         match self {
             Self::Fold => fold::LARGEST_FILE,
-            Self::Svg => svg::LARGEST_FILE,
-            Self::Cp => cp::LARGEST_FILE,
-            Self::Opx => opx::LARGEST_FILE,
-            Self::Obj => obj::LARGEST_FILE,
-            Self::Stl => stl::LARGEST_FILE,
+            Self::Svg | Self::Opx => 1 << 26,
+            Self::Cp | Self::Obj | Self::Stl => 1 << 28,
         }
     }
 }

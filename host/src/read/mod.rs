@@ -11,9 +11,11 @@ mod locate;
 mod merge;
 mod obj;
 mod options;
+#[cfg(feature = "svg")]
 mod opx;
 mod segments;
 mod stl;
+#[cfg(feature = "svg")]
 mod svg;
 
 use std::fs::File;
@@ -33,14 +35,14 @@ use crate::unfold::FoldedShape;
 /// # Errors
 /// If the file cannot be read, is too large, or holds no flat crease pattern.
 pub fn read_pattern(path: &Path) -> Result<fold::PatternFile, FileError> {
-    parse_pattern(path, &read_pattern_bytes(path)?)
+    parse_pattern(path, &read_file(path)?)
 }
 
-/// Reads the bytes of a file for [`parse_pattern`].
+/// Reads the bytes of a file.
 ///
 /// # Errors
 /// If the file cannot be read, or is too large for its format.
-pub fn read_pattern_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
     read_bytes(path, Format::of_name(path).largest_file())
 }
 
@@ -112,9 +114,18 @@ fn parse_within(
     let format = options.format.unwrap_or_else(|| Format::of_name(path));
     options.check(path, format)?;
     match format {
+        #[cfg(feature = "svg")]
         Format::Svg => svg::parse_pattern(path, text(path, bytes)?, options, watch),
-        Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
+        #[cfg(feature = "svg")]
         Format::Opx => opx::parse_pattern(path, text(path, bytes)?, options, watch),
+        #[cfg(not(feature = "svg"))]
+        Format::Svg | Format::Opx => Err(FileError::Expected {
+            path: path.to_path_buf(),
+            place: "the file".into(),
+            expected: "a format of this program, which was built without its feature `svg`".into(),
+            found: format.described(),
+        }),
+        Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
     }
@@ -164,21 +175,8 @@ pub struct ShapeFile {
     pub notes: Vec<String>,
 }
 
-/// Reads a folded shape from a file. The ending of the name selects the format: `.obj` or `.stl`; every other ending is
-/// read as FOLD. In a FOLD file `frame` selects the frame to read; frame 0 is the key frame.
-///
-/// # Errors
-/// If the file cannot be read, is too large or holds no faces in space, or if `frame` is given for a format without
-/// frames.
-pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
-    let most = match Format::of_name(path) {
-        format @ (Format::Obj | Format::Stl) => format.largest_file(),
-        _ => fold::LARGEST_FILE,
-    };
-    parse_shape(path, &read_bytes(path, most)?, frame)
-}
-
-/// Parses a folded shape from the bytes of a file; `path` selects the format as in [`read_shape`].
+/// Parses a folded shape from the bytes of a file. The ending of the name selects the format: `.obj` or `.stl`; every other
+/// ending is read as FOLD. In a FOLD file `frame` selects the frame to read; frame 0 is the key frame.
 ///
 /// # Errors
 /// If the bytes hold no faces in space, or if `frame` is given for a format without frames.
@@ -218,12 +216,6 @@ pub fn parse_shape_as(
 fn stem(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
-}
-
-/// Reads a file of at most 64 MiB as text, without a byte order mark.
-pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
-    let bytes = read_bytes(path, 1 << 26)?;
-    text(path, &bytes).map(String::from)
 }
 
 /// Decodes the bytes of a file as UTF-8, without a byte order mark.

@@ -15,9 +15,6 @@ use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
 use crate::progress::Watch;
 use crate::unfold::{FoldedShape, ShapeEdge};
 
-/// Largest size of a file, bytes.
-pub(super) const LARGEST_FILE: u64 = 1 << 28;
-
 /// Parses a folded shape. If no two faces share a vertex, vertices at the same place are merged.
 ///
 /// # Errors

@@ -102,6 +102,7 @@ impl ColourLetters {
         self.0.is_empty()
     }
 
+    #[cfg(feature = "svg")]
     pub(super) fn iter(&self) -> impl Iterator<Item = &ColourLetter> {
         self.0.iter()
     }
@@ -160,7 +161,14 @@ impl FromStr for ColourLetters {
     }
 }
 
+/// Parses an opaque colour by its name or its digits. Without the feature `svg` there are no colours.
+#[cfg(not(feature = "svg"))]
+fn opaque(_: &str) -> Option<[u8; 3]> {
+    None
+}
+
 /// Parses an opaque colour by its name or its digits.
+#[cfg(feature = "svg")]
 fn opaque(text: &str) -> Option<[u8; 3]> {
     let colour: svgtypes::Color = text.parse().ok()?;
     // Forms with commas, such as rgb(0, 0, 0), cannot be told from a list.

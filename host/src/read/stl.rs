@@ -14,9 +14,6 @@ const HEADER: usize = 80;
 /// Bytes of a triangle in a binary file: normal, three corners, attributes.
 const TRIANGLE: usize = 50;
 
-/// Largest size of a file, bytes.
-pub(super) const LARGEST_FILE: u64 = 1 << 28;
-
 /// Parses a folded shape. Triangles are joined at corners that are at the same place; their normals are ignored.
 ///
 /// # Errors

@@ -28,9 +28,6 @@ use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
-/// Largest size of a file, bytes.
-pub(super) const LARGEST_FILE: u64 = 1 << 26;
-
 /// Largest number of nodes of the document, as a file may consist of nothing else.
 const NODES: u32 = 1 << 21;
 

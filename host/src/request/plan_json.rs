@@ -5,7 +5,6 @@ use core::time::Duration;
 use std::path::Path;
 
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::hints::radians_hint;
 use super::options::PlanRequest;
@@ -32,7 +31,7 @@ impl InputJson {
     #[must_use]
     pub fn of(name: &Path, bytes: &[u8]) -> Self {
         let mut sha256 = String::new();
-        for byte in Sha256::digest(bytes) {
+        for byte in hmac_sha256::Hash::hash(bytes) {
             let _infallible = write!(sha256, "{byte:02x}");
         }
         Self {

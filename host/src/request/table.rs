@@ -430,7 +430,8 @@ macro_rules! options {
             }
 
             fn give(&mut self, name: &str, value: &serde_json::Value) -> Result<bool, RequestError> {
-                Ok(table::give(self, name, value)? $($(|| self.$inner.give(name, value)?)*)?)
+                let is_own = table::give(self, name, value)?;
+                Ok(is_own $($(|| self.$inner.give(name, value)?)*)?)
             }
 
             fn options(&self) -> Result<$Options, RequestError> {

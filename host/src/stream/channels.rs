@@ -1,11 +1,11 @@
-//! Edits the map from hinges to channels, which boards read as a [`HingeMap`](foldpath_controller::HingeMap). Other than
+//! Edits the map from hinges to channels, which boards read as a [`HingeMap`](foldpath_firmware_sim::controller::HingeMap). Other than
 //! that, this map may lack hinges: it grows while a board is commissioned. Lines that do not change stay as they are.
 
 use core::fmt;
 use std::path::Path;
 
-pub use foldpath_controller::map::Channel;
-use foldpath_controller::map::{Entry, Flaw, HEADER};
+pub use foldpath_firmware_sim::controller::map::Channel;
+use foldpath_firmware_sim::controller::map::{Entry, Flaw, HEADER};
 
 use crate::read::FileError;
 
@@ -123,7 +123,7 @@ impl fmt::Display for Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foldpath_controller::HingeMap;
+    use foldpath_firmware_sim::controller::HingeMap;
 
     const TEXT: &str = "# left half\n\nhinge,channel,zero,sign,lower,upper\n1 , 7,-0.25,-,-1.5,0.1 # second\n0,3,1.5708,+,-1.6,1.6\n";
 

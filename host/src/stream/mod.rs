@@ -27,7 +27,7 @@ pub use link::Link;
 pub use pair::{Pairing, pair};
 pub use path::StreamPath;
 pub use plant::Plant;
-pub use script::{parse_script, read_script};
+pub use script::parse_script;
 pub use session::{
     Lag, Measured, Options, Outcome, Stands, Summary, Telemetry, Watcher, Wish, run,
 };

@@ -7,17 +7,10 @@ use std::path::Path;
 
 use foldpath_firmware_sim::hinges::Trouble;
 
-use crate::read::{FileError, read_text};
+use crate::read::FileError;
 
-/// Reads a script for `hinges` hinges. Returns the events in order of time, each with its time in microseconds.
-///
-/// # Errors
-/// If the file cannot be read, a line has another form, or a line names a hinge that does not exist.
-pub fn read_script(file: &Path, hinges: usize) -> Result<Vec<(u64, Trouble)>, FileError> {
-    parse_script(file, &read_text(file)?, hinges)
-}
-
-/// Parses the text of a script; `file` names the script in errors. See [`read_script`].
+/// Parses a script for `hinges` hinges; `file` names it in errors. Returns the events in order of time, each with its time in
+/// microseconds.
 ///
 /// # Errors
 /// If a line has another form, or names a hinge that does not exist.

@@ -2,11 +2,11 @@
 
 use std::io;
 
-use foldpath_controller::{Controller, Settings};
 use foldpath_core::GroupLimits;
 use foldpath_core::follower::State;
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::protection::Keyed;
+use foldpath_firmware_sim::controller::{Controller, Settings};
 use foldpath_firmware_sim::faults::{Faults, Line};
 use rand_pcg::Pcg64;
 

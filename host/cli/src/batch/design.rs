@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use sha2::{Digest, Sha256};
 
 use crate::CliError;
 use crate::args::Shard;
@@ -184,7 +183,7 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Option<Result<String, Strin
 
 /// Returns 128 bits of the digest of a name, which no other name among billions has.
 fn hash(id: &str) -> u128 {
-    let digest = Sha256::digest(id);
+    let digest = hmac_sha256::Hash::hash(id.as_bytes());
     u128::from_be_bytes(digest.first_chunk().copied().unwrap_or_default())
 }
 

@@ -7,7 +7,7 @@ use crate::common::folder;
 use foldpath::folding::{FoldingMap, SpanningTree, align_rigid};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
-use foldpath::read::read_shape;
+use foldpath::read::{parse_shape, read_file};
 use foldpath::unfold::{
     FoldedShape, Outcome, Reason, ShapeEdge, ShapeError, UnfoldOptions, Unfolding, unfold,
 };
@@ -1087,7 +1087,7 @@ fn no_file_makes_it_panic() {
         }
         let path = folder.path().join(name);
         std::fs::write(&path, &bytes).unwrap();
-        let read = read_shape(&path, None);
+        let read = read_file(&path).and_then(|bytes| parse_shape(&path, &bytes, None));
         let answer = read.is_ok_and(|file| unfold(&file.shape, &UnfoldOptions::default()).is_ok());
         answers[usize::from(answer)] += 1;
         let _pattern = foldpath::read::read_pattern(&path);

@@ -14,9 +14,9 @@ mod shape;
 
 pub use motion::{parse_motion, read_motion};
 pub(super) use pattern::parse_within;
-pub use pattern::{PatternFile, parse_goal, parse_pattern, read_goal, read_pattern};
+pub use pattern::{PatternFile, parse_goal, parse_pattern, read_pattern};
 pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
-pub use shape::{parse_shape, read_shape};
+pub use shape::parse_shape;
 
 /// Largest size of a file, bytes: paths of a million faces have about one gigabyte.
 pub(super) const LARGEST_FILE: u64 = 1 << 31;

@@ -155,17 +155,9 @@ fn repaired(
     Ok(PatternFile { title, ..file })
 }
 
-/// Reads the goal fold angles (radians) from another file of the same sheet, one for each crease of `pattern`; `None`
-/// where the file names no angle. If the file names no angles at all, they are measured on its folded frame.
-///
-/// # Errors
-/// If the file cannot be read, has neither angles nor the folded sheet, or has not one angle for each edge of the
-/// pattern.
-pub fn read_goal(path: &Path, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
-    goal(&Document::read(path)?, pattern)
-}
-
-/// Parses goal fold angles from the bytes of a file; `path` names the file in errors. See [`read_goal`].
+/// Parses the goal fold angles (radians) of another file of the same sheet, one for each crease of `pattern`; `None` where the
+/// file names no angle. If the file names no angles at all, they are measured on its folded frame. `path` names the file in
+/// errors.
 ///
 /// # Errors
 /// If the bytes hold neither angles nor the folded sheet, or not one angle for each edge of the pattern.

@@ -2,23 +2,14 @@
 
 use std::path::Path;
 
-use super::LARGEST_FILE;
 use super::document::{Document, Frame};
 use super::keys;
 use super::pattern::{Goals, edges, faces, goals, letters, points, title};
-use crate::read::{FileError, ShapeFile, read_bytes};
+use crate::read::{FileError, ShapeFile};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
-/// Reads the folded shape of frame number `frame`; the key frame is 0. Without a number, reads the last folded form in
-/// the file, or else the key frame.
-///
-/// # Errors
-/// If the file cannot be read, or the frame has no faces in space.
-pub fn read_shape(path: &Path, frame: Option<usize>) -> Result<ShapeFile, FileError> {
-    parse_shape(path, &read_bytes(path, LARGEST_FILE)?, frame)
-}
-
-/// Parses a folded shape from the bytes of a file; `path` names the file in errors. See [`read_shape`].
+/// Parses the folded shape of frame number `frame`; the key frame is 0. Without a number, parses the last folded form in the
+/// file, or else the key frame. `path` names the file in errors.
 ///
 /// # Errors
 /// If the frame has no faces in space.
