@@ -24,6 +24,7 @@ pub mod meshes;
 mod motion;
 mod newton;
 mod planning;
+pub mod projection;
 mod second;
 mod shape;
 mod sheet;

@@ -1,5 +1,6 @@
 //! Tests that cross crates, with one module for each subject.
 
+mod allocations;
 mod at_knots;
 mod between_knots;
 mod birds_feet;
@@ -28,6 +29,7 @@ mod ports;
 mod reuse;
 mod rounded;
 mod skips;
+mod steps;
 mod traps;
 mod way_round;
 mod web;
