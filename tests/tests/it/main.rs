@@ -33,4 +33,5 @@ mod steps;
 mod traps;
 mod way_round;
 mod web;
+mod workspaces;
 mod wrong_paths;
