@@ -9,6 +9,8 @@
 //!
 //! [`campaign`] judges random stars, plans of seeded sheets of the [`meshes`] and spoilt paths by the thousand:
 //! `cargo run --release -p foldpath-tests --example campaign -- plans --count 1000 --seed 1`.
+//!
+//! [`projection`] has closure conditions of sheets, and starts near closure, for tests and benchmarks of the solvers.
 
 mod animation;
 pub mod campaign;
@@ -24,6 +26,7 @@ pub mod meshes;
 mod motion;
 mod newton;
 mod planning;
+pub mod projection;
 mod second;
 mod shape;
 mod sheet;

@@ -1,6 +1,6 @@
 //! Benchmark `report`: the report's tables and figures, foldpath beside the report's method.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench report` prints `docs/benchmarks/report.md` in
+//! `cargo bench --profile dist --bench report` in `tests/bench` prints `docs/benchmarks/report.md` in
 //! about ten minutes and writes data and plots to `tests/bench/results`. With `-- short` it takes a few rows, in
 //! seconds, and writes to a folder of the target directory.
 

@@ -1,6 +1,6 @@
 //! Benchmark `scaling`: time and memory of whole plans against the number of hinges, up to more than a million.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench scaling` takes minutes, with `-- short` seconds. Writes
+//! `cargo bench --profile dist --bench scaling` in `tests/bench` takes minutes, with `-- short` seconds. Writes
 //! `scaling.csv` and `scaling.svg` to `tests/bench/results`.
 
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
 //! Benchmark `stability`: errors of core and planner on extreme sheets, against a reference of 192 bits, and the first
 //! sheets on which something breaks.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench stability` takes minutes, with `-- short` seconds. Writes
+//! `cargo bench --profile dist --bench stability` in `tests/bench` takes minutes, with `-- short` seconds. Writes
 //! tables to `tests/bench/results/stability-*.csv`.
 
 use std::path::Path;

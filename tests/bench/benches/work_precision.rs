@@ -1,6 +1,6 @@
 //! Benchmark `work-precision`: run time against error, of foldpath's solvers beside peers, and of whole paths.
 //!
-//! `cargo bench --profile dist -p foldpath-bench --bench work_precision` takes minutes, with `-- short` seconds on
+//! `cargo bench --profile dist --bench work_precision` in `tests/bench` takes minutes, with `-- short` seconds on
 //! small sheets. Prints `docs/benchmarks/work-precision.md`, and writes CSV files and plots to
 //! `tests/bench/results`.
 

@@ -1,5 +1,6 @@
 //! Tests that cross crates, with one module for each subject.
 
+mod allocations;
 mod between_knots;
 mod birds_feet;
 mod branches;
@@ -27,7 +28,9 @@ mod ports;
 mod reuse;
 mod rounded;
 mod skips;
+mod steps;
 mod traps;
 mod way_round;
 mod web;
+mod workspaces;
 mod wrong_paths;

@@ -36,6 +36,7 @@ fn the_port_to_an_stm32f411_links() {
 }
 
 #[test]
+#[ignore = "builds embassy for a minute: `tests/run full` runs it"]
 fn the_port_to_embassy_links() {
     links("foldpath-port-embassy-stm32f4", [80 << 10, 32 << 10]);
 }
@@ -89,7 +90,8 @@ fn a_build_for_size_has_its_price() {
 
 #[test]
 fn the_example_of_the_port_is_what_the_commands_make() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/port-stm32f4/example");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/boards/stm32f4/example");
     let options = PlanOptions {
         symmetry: Symmetry::Off,
         max_acceleration: Some(180_f64.to_radians()),

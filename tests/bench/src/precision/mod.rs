@@ -14,13 +14,11 @@ mod nlopt_peers;
 mod ours;
 mod path;
 mod picture;
-mod problem;
 mod section;
 mod tables;
 
+pub use foldpath_tests::projection::{Family, OPEN, Problem, STEP, residuals_by_iteration};
 pub use measure::{Cell, Effort, measure, tolerances};
 pub use method::{Method, Run, Solver};
-pub use ours::residuals_by_iteration;
 pub use path::{PathCell, PathEffort, Route, bounds, measure_paths};
-pub use problem::{Family, Problem, STEP};
 pub use section::{Form, write};

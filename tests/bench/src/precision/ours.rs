@@ -12,14 +12,13 @@ use foldpath_core::{
     DenseNormalEquations, HalfAngle, LoopsView, Scalar, Spoke, StarsView, gradient,
     levenberg_marquardt,
 };
+use foldpath_tests::projection::DENSE;
 use nalgebra::Vector3;
 use rand_pcg::Pcg64;
 
 use super::evaluator::Evaluator;
 use super::method::{Run, Solver};
 
-/// Largest number of unknowns for which the planner uses dense matrices.
-const DENSE: usize = 40;
 /// Iterations of the gradient solver between two readings of the clock, as in the planner.
 const SLICE: u32 = 500;
 /// Failures in a row after which the radius of samples shrinks (`PATIENCE`), and factors of the radius after failures
@@ -216,35 +215,6 @@ impl<T: Scalar> Solve<T> for GradientSolver<T> {
             };
         }
         (report, began.elapsed())
-    }
-}
-
-/// Moves `x` to closure, as far as rounding allows. Returns `true` if `x` then closes.
-pub(super) fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
-    let mut solver = Lm::<f64>::new(stars, FactorReuse::None);
-    let (report, _) = solver.solve(x, &Options::default(), Duration::MAX);
-    report.outcome == Outcome::Converged
-}
-
-/// Returns the largest closure residual at `start`, and after each iteration of Levenberg-Marquardt in f64 from there,
-/// down to rounding.
-///
-/// # Panics
-/// If the solver takes more than 2^32 iterations.
-#[must_use]
-pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
-    let mut solver = Lm::<f64>::new(stars, FactorReuse::None);
-    let mut residuals = Vec::new();
-    loop {
-        let options = Options {
-            max_iterations: u32::try_from(residuals.len()).expect("a few"),
-            ..options(f64::CLOSURE_TOLERANCE)
-        };
-        let (report, _) = solver.solve(&mut start.to_vec(), &options, Duration::MAX);
-        residuals.push(report.residual);
-        if report.outcome != Outcome::IterationLimit {
-            return residuals;
-        }
     }
 }
 

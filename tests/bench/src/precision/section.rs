@@ -170,7 +170,7 @@ pub fn write(form: Form, results: &Path, link: &str) -> io::Result<String> {
          ![Time against certified deformation]({link}/{file})\n\n\
          All numbers: [projections]({link}/work-precision.csv), [paths]({link}/work-precision-paths.csv).\n",
         step = super::STEP,
-        open = super::problem::OPEN,
+        open = super::OPEN,
         runs = effort.starts * effort.rounds,
         limit = effort.limit.as_secs_f64(),
         repeated = tables::times(&problems, &cells, Method::LmF64),

@@ -26,33 +26,30 @@ pub(crate) fn image(name: &str) -> PathBuf {
 /// Builds the images for size, and returns their folder.
 pub(crate) fn for_size() -> PathBuf {
     let settings = [("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "s")];
-    let feature = ["--features", "small"];
-    build_package("foldpath-firmware-sim", &feature, "fw-size", &settings)
+    let small = ["--package", "foldpath-firmware-sim", "--features", "small"];
+    build_package(&small, "fw-size", &settings)
 }
 
 /// Builds the image of a port, which has the name of its package, and returns its path.
 pub(crate) fn port(package: &str) -> PathBuf {
-    build_package(package, &[], "fw", &[]).join(package)
+    let manifest = "../firmware-sim/boards/Cargo.toml";
+    let port = ["--manifest-path", manifest, "--package", package];
+    build_package(&port, "fw", &[]).join(package)
 }
 
 /// Builds the images with `settings` in the environment, and returns their folder.
 pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
-    build_package("foldpath-firmware-sim", &[], directory, settings)
+    build_package(&["--package", "foldpath-firmware-sim"], directory, settings)
 }
 
-/// Builds the images of a package. The target directory is another one, because the outer cargo may hold the lock of its
-/// own.
-fn build_package(
-    package: &str,
-    features: &[&str],
-    directory: &str,
-    settings: &[(&str, &str)],
-) -> PathBuf {
+/// Builds the images of the package that the arguments name. The target directory is another one, because the outer cargo
+/// may hold the lock of its own; ports and other images share it, and with it the libraries that both need.
+fn build_package(package: &[&str], directory: &str, settings: &[(&str, &str)]) -> PathBuf {
     let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
     let target_dir = target_dir.join(directory);
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--locked", "--package", package]);
-    cargo.args(features);
+    cargo.args(["build", "--locked"]);
+    cargo.args(package);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     cargo.arg("--target-dir").arg(&target_dir);
     cargo.current_dir(env!("CARGO_MANIFEST_DIR"));

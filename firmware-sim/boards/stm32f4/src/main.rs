@@ -8,7 +8,7 @@ mod board;
 #[cfg(not(target_os = "none"))]
 fn main() {
     println!(
-        "This program is for a microcontroller: cargo build --package foldpath-port-stm32f4 --profile firmware \
-         --target thumbv7em-none-eabihf"
+        "This program is for a microcontroller. In firmware-sim/boards: cargo build \
+         --package foldpath-port-stm32f4 --profile firmware --target thumbv7em-none-eabihf"
     );
 }

@@ -1,21 +1,24 @@
-//! The problems of the projections: sheets near a closed configuration, and starts that are a seeded step off it.
+//! Closure conditions of sheets, and starts that are a seeded step off a closed configuration, for tests and benchmarks of
+//! the solvers.
 
 use foldpath::generate::{Miura, Quad, Resch, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing};
-use foldpath::planner::Goal;
+use foldpath::planner::{Goal, SparseNormalEquations};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
-use foldpath_core::closure;
-use foldpath_core::least_squares::Limits;
+use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::sampling::random_near;
-use foldpath_core::{HalfAngle, StarsView};
+use foldpath_core::{
+    DenseNormalEquations, HalfAngle, LoopsView, Scalar, StarsView, closure, levenberg_marquardt,
+};
+use nalgebra::Vector3;
 use rand_pcg::Pcg64;
 
-use super::ours::close;
-
+/// Largest number of unknowns for which the planner uses dense matrices.
+pub const DENSE: usize = 40;
 /// Largest distance of each unknown of a start from the closed configuration, radians: the step of the report's search.
 pub const STEP: f64 = 0.22;
 /// Closure residual that every start exceeds. A start within the coarsest tolerance would need no work.
-pub(super) const OPEN: f64 = 0.1;
+pub const OPEN: f64 = 0.1;
 /// Number of draws for each start after which the step is made longer.
 const DRAWS: usize = 100;
 /// Fractions of the goal's angles at which a closed configuration is searched.
@@ -183,6 +186,58 @@ fn folded_further(stars: &ReducedStars, mut x: Vec<f64>) -> Option<Vec<f64>> {
         }
         x = further;
     }
+}
+
+/// Moves `x` to closure, as far as rounding allows. Returns `true` if `x` then closes.
+fn close(stars: StarsView<'_, f64>, x: &mut [f64]) -> bool {
+    solve(stars, &Options::default(), x).outcome == Outcome::Converged
+}
+
+/// Returns the largest closure residual at `start`, and after each iteration of Levenberg-Marquardt in f64 from there,
+/// down to rounding.
+///
+/// # Panics
+/// If the solver takes more than 2^32 iterations.
+#[must_use]
+pub fn residuals_by_iteration(stars: StarsView<'_, f64>, start: &[f64]) -> Vec<f64> {
+    let mut residuals = Vec::new();
+    loop {
+        let options = Options {
+            tolerance: f64::CLOSURE_TOLERANCE,
+            // The solver must not accept a residual above the tolerance.
+            acceptable: 0.0,
+            max_iterations: u32::try_from(residuals.len()).expect("a few"),
+            ..Options::default()
+        };
+        let report = solve(stars, &options, &mut start.to_vec());
+        residuals.push(report.residual);
+        if report.outcome != Outcome::IterationLimit {
+            return residuals;
+        }
+    }
+}
+
+/// Solves by Levenberg-Marquardt, with the linear algebra that the planner uses for this number of unknowns.
+fn solve(stars: StarsView<'_, f64>, options: &Options<f64>, x: &mut [f64]) -> Report<f64> {
+    let mut half = vec![HalfAngle::default(); x.len()];
+    let mut columns = vec![Vector3::zeros(); stars.max_degree()];
+    let mut work = vec![0.0; 2 * x.len()];
+    let problem = ClosureProblem::new(stars, &mut half, &mut columns);
+    let (mut problem, limits) = (problem.expect("room for all"), Limits::HalfTurn);
+    let sparse = (x.len() > DENSE).then(|| SparseNormalEquations::new(stars, LoopsView::none()));
+    if let Some(mut sparse) = sparse.flatten() {
+        return levenberg_marquardt::solve(
+            &mut problem,
+            &mut sparse,
+            limits,
+            options,
+            x,
+            &mut work,
+        );
+    }
+    let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(x.len())];
+    let mut dense = DenseNormalEquations::new(x.len(), &mut memory).expect("room for all");
+    levenberg_marquardt::solve(&mut problem, &mut dense, limits, options, x, &mut work)
 }
 
 fn max_norm(x: &[f64]) -> f64 {

@@ -1,11 +1,12 @@
-//! Counts the factorisations of Levenberg-Marquardt with each kind of [`FactorReuse`], with every crease as an unknown.
+//! How many iterations does Levenberg-Marquardt take to closure, and how many factorisations with each kind of
+//! [`FactorReuse`]?
 
 use foldpath::planner::SparseNormalEquations;
-use foldpath_bench::precision::{Family, Problem};
 use foldpath_core::least_squares::{
     Accumulate, ClosureProblem, FactorReuse, Limits, NormalEquations, Options, Outcome,
 };
 use foldpath_core::{HalfAngle, LoopsView, Spoke, levenberg_marquardt};
+use foldpath_tests::projection::{Family, Problem, residuals_by_iteration};
 use nalgebra::Vector3;
 
 /// Sparse equations that count their factorisations.
@@ -136,5 +137,58 @@ fn sheets_with_limits_close_too() {
             let what = format!("{}: {none:?} {chord:?}", problem.name());
             assert!(2 * chord.0 <= none.0 + 2, "{what}");
         }
+    }
+}
+
+/// From a residual of 1e-2 on, each iteration gains at least half as many digits again, and three iterations suffice
+/// for 1e-14. A method of first order would take ten times as many.
+#[test]
+fn levenberg_marquardt_converges_quadratically() {
+    for (family, rows, columns, symmetric) in [
+        (Family::Miura, 3, 3, true),
+        (Family::Miura, 3, 3, false),
+        (Family::Miura, 11, 11, false),
+        (Family::Waterbomb, 4, 6, true),
+    ] {
+        let problem = Problem::new(family, rows, columns, symmetric);
+        for start in problem.starts(10) {
+            let residuals = residuals_by_iteration(problem.stars(), &start);
+            assert!(residuals.last().unwrap() <= &1e-14, "{residuals:?}");
+            let near = residuals.iter().position(|&r| r <= 1e-2).unwrap();
+            assert!(residuals.len() - 1 - near <= 3, "{residuals:?}");
+            for pair in residuals[near..].windows(2) {
+                let enough = pair[0].powf(1.5).max(1e-14);
+                assert!(pair[1] <= enough, "{residuals:?}");
+            }
+        }
+    }
+}
+
+/// A large sheet comes near closure in hardly more iterations than a small one: the damping does not grow with the
+/// sheet.
+#[test]
+fn large_sheets_take_no_more_iterations() {
+    for family in [Family::Miura, Family::Yoshimura] {
+        let [small, large] = [3, 24].map(|size| {
+            let problem = Problem::new(family, size, size, false);
+            let near = problem.starts(5).into_iter().map(|start| {
+                let residuals = residuals_by_iteration(problem.stars(), &start);
+                residuals.iter().position(|&r| r <= 1e-2).unwrap()
+            });
+            near.max().unwrap()
+        });
+        assert!(large <= small + 1, "{}: {small}, {large}", family.name());
+    }
+}
+
+/// A hinge that its limit stops at half a turn costs hardly an iteration, because the step of the other hinges takes
+/// the stop into account.
+#[test]
+fn hinges_at_their_limits_cost_no_iterations() {
+    let problem = Problem::new(Family::Quad, 11, 11, false);
+    assert!(problem.folded() >= core::f64::consts::PI - 1e-9);
+    for start in problem.starts(10) {
+        let residuals = residuals_by_iteration(problem.stars(), &start);
+        assert!(residuals.len() - 1 <= 9, "{residuals:?}");
     }
 }
