@@ -102,7 +102,6 @@ pub mod acceptance;
 pub mod bernstein;
 mod checksum;
 pub mod closure;
-#[cfg(feature = "solvers")]
 mod curve;
 #[cfg(feature = "solvers")]
 mod dense;

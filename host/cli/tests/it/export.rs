@@ -303,7 +303,7 @@ fn drawings_by_groups_and_by_deformation_say_what_they_show() {
     folder.write("torn.fold", &torn.to_string());
     assert!(said("torn.fold --colour deformation").contains("9 faces by deformation"));
     let text = folder.read("a.svg");
-    let [dark, bright] = ["#440154", "#fee825"].map(|colour| {
+    let [dark, bright] = ["#440154", "#fde725"].map(|colour| {
         let areas = text.lines().filter(|line| line.starts_with("<polygon"));
         areas.filter(|line| line.contains(colour)).count()
     });
