@@ -34,13 +34,12 @@ fn main() {
                 let plan = plan(
                     &pattern,
                     &goal,
-                    &PlanOptions {
-                        bound: BOUND,
-                        interpolation: Some(kind),
-                        pace,
-                        collision: false,
-                        ..PlanOptions::default()
-                    },
+                    &PlanOptions::default().with(|it| {
+                        it.bound = BOUND;
+                        it.interpolation = Some(kind);
+                        it.pace = pace;
+                        it.collision = false;
+                    }),
                 );
                 match (plan.outcome, plan.knots().last()) {
                     (Outcome::Planned, Some(last)) => format!(

@@ -44,10 +44,7 @@ fn whole_plan(bencher: divan::Bencher<'_, '_>, name: &str) {
 #[divan::bench(args = PATTERNS)]
 fn without_collision(bencher: divan::Bencher<'_, '_>, name: &str) {
     let (pattern, goal) = read(name);
-    let options = PlanOptions {
-        collision: false,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.collision = false);
     bencher.bench_local(|| plan(&pattern, &goal, &options));
 }
 

@@ -37,14 +37,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let straight = miura.straight(zigzag).to_degrees();
     println!("straight creases need {straight:.1} degrees");
     for limit in [40_f64, 20.0] {
-        let options = PlanOptions {
-            limits: vec![HingeLimit {
+        let options = PlanOptions::default().with(|it| {
+            it.limits = vec![HingeLimit {
                 crease,
                 lower: -limit.to_radians(),
                 upper: limit.to_radians(),
-            }],
-            ..PlanOptions::default()
-        };
+            }]
+        });
         options.validate()?;
         let plan = plan(&pattern, &goal, &options);
         println!("limit of {limit} degrees: {}", plan.outcome.name());

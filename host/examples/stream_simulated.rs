@@ -55,10 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         path: &path,
         residual: 0.0,
     };
-    let options = Options {
-        id: 1,
-        ..Options::default()
-    };
+    let options = Options::default().with(|it| it.id = 1);
     let summary = stream::run(&mut Sim::new(), &path, options, &mut watcher)?;
 
     println!("outcome          {}", summary.outcome.name());

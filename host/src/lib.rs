@@ -101,7 +101,7 @@
 //! # let name = Path::new("path.traj");
 //! # let bytes = TrajFile::of(&motion, name)?.bytes;
 //! let path = StreamPath::read(&bytes, name)?;
-//! let options = Options { id: 1, ..Options::default() };
+//! let options = Options::default().with(|it| it.id = 1);
 //! let summary = stream::run(&mut Sim::new(), &path, options, &mut Watch)?;
 //! assert_eq!(summary.outcome, Outcome::Done);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

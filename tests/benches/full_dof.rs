@@ -32,13 +32,11 @@ fn main() {
     }
     for (size, runs) in sizes {
         let pattern = CreasePattern::new(miura(size, 150.0)).expect("a sheet");
-        let options = PlanOptions {
-            symmetry: Symmetry::Off,
-            collision: false,
-            // Thirty configurations, at most 6.3 degrees apart.
-            max_step: 6.3_f64.to_radians(),
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| {
+            it.symmetry = Symmetry::Off;
+            it.collision = false;
+            it.max_step = 6.3_f64.to_radians();
+        });
         let name = format!("full-DOF miura {size}x{size}");
         compare(&name, runs, || planned(&pattern, &options));
     }

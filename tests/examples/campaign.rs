@@ -139,10 +139,8 @@ fn plans(only: Option<&str>, seed: u64, count: u64, timeout: f64) -> std::io::Re
             names.join(", ")
         )));
     }
-    let options = PlanOptions {
-        timeout: Some(Duration::from_secs_f64(timeout)),
-        ..PlanOptions::default()
-    };
+    let options =
+        PlanOptions::default().with(|it| it.timeout = Some(Duration::from_secs_f64(timeout)));
     let each = count.div_ceil(families.len() as u64);
     let tallies = families.iter().map(|&family| {
         eprintln!("{}", family.name);

@@ -14,7 +14,7 @@ use std::panic::catch_unwind;
 use std::sync::Arc;
 use std::time::Instant;
 
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::check;
 use foldpath::export::fold::motion_text;
 use foldpath::motion::{GroupNaming, Motion};
 use foldpath::pattern::{CreasePattern, Drawing};
@@ -380,10 +380,7 @@ fn judge(
 
 /// Returns what `check` finds on a path with this bound.
 fn findings(path: &str, bound: f64) -> Vec<String> {
-    let options = CheckOptions {
-        bound,
-        ..crate::strict()
-    };
+    let options = crate::strict().with(|it| it.bound = bound);
     match path_file(path) {
         Ok(file) => check(&file, &options).findings(),
         Err(error) => vec![error.to_string()],

@@ -61,8 +61,5 @@ fn exceeds(value: f64, most: f64) -> bool {
 /// Returns the options of a check with a bound of 1e-3, tighter than usual.
 #[must_use]
 pub fn strict() -> CheckOptions {
-    CheckOptions {
-        bound: 1e-3,
-        ..CheckOptions::default()
-    }
+    CheckOptions::default().with(|it| it.bound = 1e-3)
 }

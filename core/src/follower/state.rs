@@ -118,6 +118,24 @@ pub enum Reason {
     Lease,
 }
 
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "nothing holds the motion",
+            Self::Asked => "a host has asked to hold",
+            Self::Underrun => "the queue ran dry",
+            Self::Silence => "the controller did not hear its host for a while",
+            Self::Lag(hinge) => return write!(f, "hinge {hinge} lags"),
+            Self::StopLine => "the stop line was drawn",
+            Self::Session => "the sheet moved for another host when this one came",
+            Self::Refused(refusal) => return write!(f, "a setpoint was refused: {refusal}"),
+            Self::Fault(fault) => return fault.fmt(f),
+            Self::Approach => "the groups approach the beginning of the path",
+            Self::Lease => "the path time has reached its bound",
+        })
+    }
+}
+
 impl Reason {
     fn numbers(self) -> Numbers {
         match self {

@@ -5,6 +5,8 @@
 //! [`Source`] for them again. The time after which something is sent again follows the measured round trips, as in
 //! [RFC6298](crate#references): the smoothed time plus four times its mean deviation, doubled with each repetition.
 
+use core::fmt;
+
 use crate::follower::Denial;
 use crate::wire::credentials::Credentials;
 use crate::wire::frame;
@@ -62,6 +64,7 @@ pub enum Phase {
 
 /// Reason why there is no session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Failure {
     /// The controller speaks this version of the protocol.
     Version {
@@ -74,7 +77,32 @@ pub enum Failure {
     Lost,
     /// The controller is silent, or hears nothing.
     Silent,
+    /// No controller has ever answered. One with a key answers only a host with the same key, and one without a key only
+    /// a host without one.
+    NoAnswer,
 }
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Version { version, schema } => write!(
+                f,
+                "the controller speaks version {version} ({schema:08x}) of the protocol, \
+                 expected {VERSION} ({SCHEMA:08x})"
+            ),
+            Self::Lost => {
+                f.write_str("the session is lost: the controller was reset, or another host came")
+            }
+            Self::Silent => f.write_str("the controller is silent"),
+            Self::NoAnswer => f.write_str(
+                "no controller answers; one with a key answers only a host with the same key, and one without a key only a \
+                 host without one",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Failure {}
 
 /// A command that was not answered yet.
 #[derive(Clone, Copy, Debug)]
@@ -310,7 +338,13 @@ impl Sender {
         // Frames from the controller do not count: they come as well if somebody keeps those of the host back, or keeps a
         // session from beginning.
         if since(self.asked) > self.options.silence {
-            self.phase = Phase::Failed(Failure::Silent);
+            let met = self.capacity.is_some();
+            let failure = if met {
+                Failure::Silent
+            } else {
+                Failure::NoAnswer
+            };
+            self.phase = Phase::Failed(failure);
             return None;
         }
         // A controller with a key does not answer frames of a session that it does not know.

@@ -1,15 +1,16 @@
 //! Defines the command line with clap: commands, options and their values. The doc comments of these are the help texts
 //! that users read.
 
-use core::str::FromStr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use foldpath_firmware_sim::faults::Faults;
 use foldpath_firmware_sim::hinges;
 
 use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, formats};
+use crate::values::{Seeded, Shard, Target};
 use foldpath::export::Format;
 use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
 
@@ -209,35 +210,6 @@ pub(crate) struct Batch {
     pub(crate) worker: bool,
 }
 
-/// Value `I/N` of `--shard`: one part of N, numbered from 0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shard {
-    pub(crate) index: u32,
-    pub(crate) of: u32,
-}
-
-impl Default for Shard {
-    fn default() -> Self {
-        Self { index: 0, of: 1 }
-    }
-}
-
-impl FromStr for Shard {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parse = || {
-            let (index, of) = text.split_once('/')?;
-            let shard = Self {
-                index: index.parse().ok()?,
-                of: of.parse().ok()?,
-            };
-            (shard.index < shard.of).then_some(shard)
-        };
-        parse().ok_or("expected I/N, a part from 0 to N-1 of N parts")
-    }
-}
-
 impl Command {
     /// Returns `true` if the answer is to be one JSON object on stdout.
     pub(crate) fn prints_json(&self) -> bool {
@@ -422,14 +394,14 @@ pub(crate) struct Stream {
     /// bit is changed, double of those that arrive twice, and reorder of those that are overtaken by others. Faults are
     /// drawn from the seed.
     #[arg(long)]
-    pub(crate) faults: Option<LineFaults>,
+    pub(crate) faults: Option<Seeded<Faults>>,
     /// With sim: drives of the hinges, such as lag=0.005,speed=4,acceleration=200,seed=7
     ///
     /// Properties are lag (seconds), speed (radians per second), acceleration (torque over the inertia that it turns,
     /// radians per second squared), play and noise (both in radians). A property that is not given is that of an ideal
     /// drive. Noise is drawn from the seed.
     #[arg(long)]
-    pub(crate) drives: Option<Drives>,
+    pub(crate) drives: Option<Seeded<hinges::Drive>>,
     /// With sim: script of events that disturb the hinges, one event on each line
     ///
     /// A line has the time in SECONDS and then one of: supply 0..1, stick HINGE, free HINGE, or jump HINGE RADIANS, an
@@ -523,131 +495,4 @@ pub(crate) struct LineArgs {
     /// With tcp: send without a key, so that anybody on the network may move its hinges
     #[arg(long, conflicts_with = "key")]
     pub(crate) insecure: bool,
-}
-
-/// Controller, and the line to it.
-#[derive(Clone, Debug)]
-pub(crate) enum Target {
-    Sim,
-    Qemu,
-    Serial(String),
-    Tcp(String),
-}
-
-impl FromStr for Target {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "sim" => Ok(Self::Sim),
-            None if text == "qemu" => Ok(Self::Qemu),
-            Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.into())),
-            Some(("tcp", address)) if is_address(address) => Ok(Self::Tcp(address.into())),
-            Some(("tcp", _)) => {
-                Err("expected tcp:HOST:PORT or tcp:PORT, the port a number from 1 to 65535".into())
-            }
-            _ => Err("expected sim, qemu, serial:DEVICE, tcp:HOST:PORT or tcp:PORT".into()),
-        }
-    }
-}
-
-/// Returns `true` if `text` is `HOST:PORT` or a port alone. A host that contains colons has to be in brackets.
-fn is_address(text: &str) -> bool {
-    let (host, port) = match text.rsplit_once(':') {
-        Some((host, port)) => (Some(host), port),
-        None => (None, text),
-    };
-    let known = |host: &str| {
-        let bare = host
-            .strip_prefix('[')
-            .and_then(|host| host.strip_suffix(']'));
-        !host.is_empty() && (bare.is_some() || !host.contains(':'))
-    };
-    host.is_none_or(known) && port.parse::<u16>().is_ok_and(|port| port > 0)
-}
-
-/// Value of `--faults`: faults of a line, and the seed from which they are drawn.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LineFaults {
-    pub(crate) faults: foldpath_firmware_sim::faults::Faults,
-    pub(crate) seed: u64,
-}
-
-impl FromStr for LineFaults {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let mut this = Self::default();
-        for pair in pairs(text) {
-            let (key, value) = pair?;
-            let faults = &mut this.faults;
-            let part = match key {
-                "seed" => {
-                    this.seed = seed(value)?;
-                    continue;
-                }
-                "drop" => &mut faults.drop,
-                "flip" => &mut faults.flip,
-                "double" => &mut faults.double,
-                "reorder" => &mut faults.reorder,
-                _ => {
-                    let expected = "drop, flip, double, reorder or seed";
-                    return Err(format!("expected {expected}, found {key}"));
-                }
-            };
-            let parsed = value.parse().ok().filter(|part| (0.0..=1.0).contains(part));
-            *part = parsed.ok_or_else(|| format!("{key}: expected 0 to 1, found {value}"))?;
-        }
-        Ok(this)
-    }
-}
-
-/// Value of `--drives`: drives of the hinges, and the seed of their noise.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Drives {
-    pub(crate) drive: hinges::Drive,
-    pub(crate) seed: u64,
-}
-
-impl FromStr for Drives {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let mut this = Self::default();
-        for pair in pairs(text) {
-            let (key, value) = pair?;
-            let drive = &mut this.drive;
-            let number = match key {
-                "seed" => {
-                    this.seed = seed(value)?;
-                    continue;
-                }
-                "lag" => &mut drive.lag,
-                "speed" => &mut drive.speed,
-                "acceleration" => &mut drive.acceleration,
-                "play" => &mut drive.play,
-                "noise" => &mut drive.noise,
-                _ => {
-                    let expected = "lag, speed, acceleration, play, noise or seed";
-                    return Err(format!("expected {expected}, found {key}"));
-                }
-            };
-            let parsed = value.parse().ok().filter(|number| *number >= 0.0);
-            *number = parsed.ok_or_else(|| format!("{key}: expected 0 or more, found {value}"))?;
-        }
-        Ok(this)
-    }
-}
-
-/// Returns the pairs of a list `KEY=VALUE,KEY=VALUE`.
-fn pairs(text: &str) -> impl Iterator<Item = Result<(&str, &str), String>> {
-    text.split(',').map(|pair| {
-        pair.split_once('=')
-            .ok_or_else(|| format!("expected KEY=VALUE, found {pair}"))
-    })
-}
-
-fn seed(value: &str) -> Result<u64, String> {
-    let seed = value.parse();
-    seed.map_err(|_| format!("seed: expected a number, found {value}"))
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
 use foldpath::pattern::PatternError;
-use foldpath::planner::GoalError;
+use foldpath::planner::{GoalError, Note};
 use foldpath::read::FileError;
 use foldpath::request::RequestError;
 
@@ -16,7 +16,18 @@ pub(crate) fn hint(error: &CliError) -> Option<String> {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
         CliError::Request(RequestError::Goal { source, .. }) => of_goal(source),
-        CliError::Request(RequestError::Hinge { hint, .. }) => hint.clone(),
+        CliError::Request(RequestError::Option { hint, .. }) => hint.clone(),
+        _ => None,
+    }
+}
+
+/// Returns a hint on what to do about a note of a plan, if there is one.
+pub(crate) fn of_note(note: &Note) -> Option<String> {
+    match note {
+        Note::WouldBend(most) => {
+            let most = most.to_degrees().ceil();
+            Some(format!("`--bend {most}` lets panels bend so far"))
+        }
         _ => None,
     }
 }
@@ -49,6 +60,9 @@ fn of_file(error: &FileError) -> Option<String> {
         }
         FileError::Expected { expected, .. } if expected.starts_with("a flat crease pattern") => {
             "`foldpath unfold` makes a crease pattern of a folded shape"
+        }
+        FileError::Expected { expected, .. } if expected.ends_with("the 4 GiB of .glb") => {
+            "`--frames N` takes fewer frames"
         }
         FileError::Pattern { source, .. } => of_pattern(source)?,
         _ => return None,

@@ -32,6 +32,7 @@ mod report;
 mod standard;
 mod stream;
 mod unfold;
+mod values;
 mod view;
 
 use std::ffi::OsString;
@@ -56,7 +57,7 @@ enum CliError {
     Piped { error: Box<FileError>, text: String },
     #[error("stdout: {0}")]
     Output(std::io::Error),
-    #[error(transparent)]
+    #[error("{}", options::on_command_line(.0))]
     Request(#[from] RequestError),
     #[error("{0}")]
     Usage(String),

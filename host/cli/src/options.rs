@@ -122,6 +122,32 @@ impl FromArgMatches for FamilyArgs {
     }
 }
 
+/// Returns the text of an error, in which options are named as on the command line.
+pub(crate) fn on_command_line(error: &RequestError) -> String {
+    let flag = |option: &str| format!("--{}", option.replace('_', "-"));
+    match error {
+        RequestError::Option {
+            option, problem, ..
+        } => format!("{}: {problem}", flag(option)),
+        RequestError::Excluded { option, other } => {
+            format!("{}: expected without {}", flag(option), flag(other))
+        }
+        RequestError::Format {
+            option,
+            takers,
+            found,
+        } => {
+            let takers = takers.join(" or --to ");
+            format!(
+                "{}: expected --to {takers}, found --to {found}",
+                flag(option)
+            )
+        }
+        RequestError::NoOption(name) => format!("unexpected argument '{}' found", flag(name)),
+        error => error.to_string(),
+    }
+}
+
 /// Returns a parser of the names of formats.
 pub(crate) fn formats() -> impl TypedValueParser<Value = &'static Format> {
     let names = FORMATS

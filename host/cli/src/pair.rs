@@ -4,8 +4,9 @@ use std::io;
 
 use foldpath::stream::{Link, Pairing, Sim, pair};
 
-use crate::args::{Pair, Target};
+use crate::args::Pair;
 use crate::link::Wire;
+use crate::values::Target;
 use crate::{Answer, CliError, key, say};
 use crate::{print, report::outcome};
 
@@ -36,11 +37,11 @@ pub(crate) fn run(args: &Pair, quiet: bool) -> Answer {
                     .into(),
             ),
         ),
-        Ok(Pairing::NoDevice) => (
+        Ok(Pairing::Version(failure)) => ("no_device", Some(failure.to_string())),
+        Ok(_) => (
             "no_device",
             Some("no controller answers; one that has another key does not".into()),
         ),
-        Ok(Pairing::Version(why)) => ("no_device", Some(why.clone())),
         Err(error) => ("no_device", Some(format!("the line: {error}"))),
     };
     let done = matches!(paired, Ok(Pairing::Paired));

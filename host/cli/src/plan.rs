@@ -9,7 +9,7 @@ use crate::output::write_whole_with;
 use crate::progress::watched;
 use crate::report::{lost_lines, outcome};
 use crate::standard::{Input, print_summary, shown};
-use crate::{Answer, CliError, check_output, print_json, print_notes};
+use crate::{Answer, CliError, check_output, hints, print_json, print_notes, say};
 use foldpath::export::fold::write_motion;
 use foldpath::planner::Outcome;
 use foldpath::progress::{Progress, Stage};
@@ -30,6 +30,10 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     })?;
     let json = done.json(&job, start);
     print_notes(quiet, &json.notes);
+    let hints = done.planned.plan.notes.iter().filter_map(hints::of_note);
+    hints
+        .filter(|_| !quiet)
+        .for_each(|hint| say(&format!("help: {hint}")));
     if job.json {
         print_json(&json)?;
     } else {

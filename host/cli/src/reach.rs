@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 
 use foldpath::stream::{Link, Sim};
 use foldpath_core::wire::key::Key;
+use foldpath_core::wire::sender::Failure;
 
-use crate::args::{LineArgs, Target};
+use crate::args::LineArgs;
 use crate::link::{Emulator, Wire, default_image};
+use crate::values::Target;
 use crate::{CliError, key};
 
 /// Reads the key for a line to a controller, if there is one.
@@ -77,6 +79,17 @@ fn image(named: Option<&Path>) -> Result<PathBuf, CliError> {
             Err(CliError::Usage(text))
         }
         None => default_image().map_err(|text| CliError::Usage(format!("--to qemu: {text}"))),
+    }
+}
+
+/// Explains why there is no session, and which options help.
+pub(crate) fn no_session(failure: Failure) -> String {
+    match failure {
+        Failure::NoAnswer => "no controller answers; one with a key answers only to --key FILE with the same key, and one \
+                              without a key only without --key"
+            .into(),
+        Failure::Lost => format!("{failure}; --resume goes on from where the sheet stands"),
+        failure => failure.to_string(),
     }
 }
 

@@ -147,10 +147,7 @@ impl Input {
         bytes: &[u8],
         options: &ReadOptions,
     ) -> Result<PatternFile, CliError> {
-        let options = ReadOptions {
-            format: Some(self.format()),
-            ..options.clone()
-        };
+        let options = options.clone().with(|it| it.format = Some(self.format()));
         self.parsed_from(bytes, |name, bytes| {
             parse_pattern_with(name, bytes, &options)
         })

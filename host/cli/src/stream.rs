@@ -5,21 +5,23 @@ use std::io;
 use std::sync::Arc;
 use std::time::Instant;
 
-use foldpath_core::follower::State;
+use foldpath_core::follower::{Denial, Fault, Reason, State};
+use foldpath_core::wire::message::ItemRefusal;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use crate::args::{At, Drives, LineFaults, Stream, Target};
+use crate::args::{At, Stream};
 use crate::log::Log;
 use crate::progress::{self, PACE, PATIENCE};
 use crate::reach::{self, Host};
 use crate::report::outcome;
 use crate::standard::{Input, print_summary, shown, source};
+use crate::values::{Seeded, Target};
 use crate::{Answer, CliError, check_output, print_json};
 use foldpath::folding::Rigidity;
 use foldpath::stream::{
-    self, Faulty, Link, Measured, Options, Outcome, Plant, Sim, Stands, StreamPath, Summary,
-    Telemetry, Watcher, Wish,
+    self, Ending, Faulty, Link, Measured, Options, Outcome, Plant, Sim, Stands, StreamPath,
+    Summary, Telemetry, Watcher, Wish,
 };
 
 #[derive(Serialize)]
@@ -150,8 +152,8 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
         Some(file) => Input::of(file)?.script(path.hinges().len())?,
         None => Vec::new(),
     };
-    let Drives { drive, seed } = args.drives.unwrap_or_default();
-    let plant = Plant::new(path, drive, seed, events);
+    let Seeded { value, seed } = args.drives.unwrap_or_default();
+    let plant = Plant::new(path, value, seed, events);
     Ok(match &args.sheet {
         Some(file) => {
             let input = Input::of(file)?;
@@ -172,18 +174,11 @@ fn connected(
 ) -> Result<Summary, CliError> {
     match link {
         Ok(mut link) => session(&mut *link, args, path, host, shown),
-        Err(error) => Ok(Summary {
-            outcome: Outcome::NoDevice,
-            reason: Some(format!("{name}: {error}")),
-            setpoints: 0,
-            bytes_sent: 0,
-            retransmitted: 0,
-            refused: 0,
-            max_closure: 0.0,
-            lag: None,
-            round_trip: None,
-            duration: 0,
-        }),
+        Err(error) => {
+            let mut summary = Summary::default();
+            summary.reason = Some(Ending::Line(format!("{name}: {error}")));
+            Ok(summary)
+        }
     }
 }
 
@@ -197,13 +192,9 @@ fn session(
 ) -> Result<Summary, CliError> {
     match args.faults {
         None => logged(&mut link, args, path, host, shown),
-        Some(LineFaults { faults, seed }) => logged(
-            &mut Faulty::new(link, faults, seed),
-            args,
-            path,
-            host,
-            shown,
-        ),
+        Some(Seeded { value, seed }) => {
+            logged(&mut Faulty::new(link, value, seed), args, path, host, shown)
+        }
     }
 }
 
@@ -222,19 +213,19 @@ fn logged(
     });
     // Before the first command, the hinges of the emulated board are nowhere.
     let emulated = matches!(args.to, Target::Qemu);
-    let options = Options {
-        resume: args.resume,
-        unattended: args.unattended,
-        stands: match args.at {
+    let options = Options::default().with(|it| {
+        it.resume = args.resume;
+        it.unattended = args.unattended;
+        it.stands = match args.at {
             None if emulated => Stands::AtStart,
             None => Stands::Known,
             Some(At::Measured) => Stands::Measured,
             Some(At::Start | At::Flat | At::Goal) => Stands::AtStart,
-        },
-        id: host.id,
-        key: host.key,
-        nonce: host.nonce,
-    };
+        };
+        it.id = host.id;
+        it.key = host.key;
+        it.nonce = host.nonce;
+    });
     let log = args.log.as_deref().map(Log::create).transpose()?;
     let mut watch = Watch {
         path,
@@ -253,6 +244,36 @@ fn logged(
     })
 }
 
+/// Explains why a session ended, and with which options another one goes on.
+fn explained(ending: &Ending) -> String {
+    let advice = match ending {
+        Ending::NoSession(failure) => return reach::no_session(*failure),
+        Ending::Failed {
+            reason: Reason::Fault(Fault::Stalled(_)),
+            ..
+        } => "; --resume goes on once it is free",
+        Ending::Failed { .. } => "; --resume goes on from where it stands",
+        Ending::Held(Reason::Silence) => {
+            "; --resume goes on from where the sheet stands, and with --unattended also after the next silence"
+        }
+        Ending::Held(Reason::StopLine) => "; --resume goes on once it is let go",
+        Ending::Held(_) | Ending::Stopped => "; --resume goes on from where the sheet stands",
+        Ending::Denied(denial)
+        | Ending::Refused {
+            item: ItemRefusal::Path(denial),
+            ..
+        } => match denial {
+            Denial::Jump(_) => "; --resume begins where it stands",
+            Denial::Unknown(_) | Denial::Spread(_) => {
+                "; --at flat, --at goal or --at start says where the sheet stands"
+            }
+            _ => "",
+        },
+        _ => "",
+    };
+    format!("{ending}{advice}")
+}
+
 #[allow(clippy::cast_precision_loss, reason = "below 2⁵³ microseconds")]
 fn seconds(micros: u64) -> f64 {
     micros as f64 / 1e6
@@ -266,9 +287,10 @@ fn report(
     quiet: bool,
 ) -> Result<(), CliError> {
     let duration = seconds(summary.duration);
+    let reason = summary.reason.as_ref().map(explained);
     let json = StreamJson {
         outcome: summary.outcome.name(),
-        reason: summary.reason.as_deref(),
+        reason: reason.as_deref(),
         setpoints: summary.setpoints,
         bytes_sent: summary.bytes_sent,
         retransmitted: summary.retransmitted,
@@ -442,5 +464,60 @@ fn state(state: State) -> &'static str {
         State::Holding => "Holding",
         State::Done => "Done",
         State::Faulted => "Faulted",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foldpath_core::wire::sender::Failure;
+
+    use super::*;
+
+    #[test]
+    fn a_reason_says_which_options_go_on() {
+        let stalled = Ending::Failed {
+            reason: Reason::Fault(Fault::Stalled(3)),
+            stopped: true,
+        };
+        for (ending, text) in [
+            (
+                Ending::Held(Reason::Asked),
+                "a host has asked to hold; --resume goes on from where the sheet stands",
+            ),
+            (
+                Ending::Held(Reason::StopLine),
+                "the stop line was drawn; --resume goes on once it is let go",
+            ),
+            (
+                Ending::Held(Reason::Silence),
+                "the controller did not hear its host for a while; --resume goes on from where the sheet stands, and with \
+                 --unattended also after the next silence",
+            ),
+            (
+                stalled,
+                "hinge 3 has stalled. The stop line holds the motion as well and has to be let go; --resume goes on once \
+                 it is free",
+            ),
+            (
+                Ending::Denied(Denial::Unknown(1)),
+                "the controller does not know where group 1 stands, and measures none of its hinges; --at flat, --at goal \
+                 or --at start says where the sheet stands",
+            ),
+            (
+                Ending::NoSession(Failure::Lost),
+                "the session is lost: the controller was reset, or another host came; --resume goes on from where the \
+                 sheet stands",
+            ),
+            (
+                Ending::NoSession(Failure::Silent),
+                "the controller is silent",
+            ),
+            (
+                Ending::Astray(3),
+                "the sheet stands at knot 3, not on this path",
+            ),
+        ] {
+            assert_eq!(explained(&ending), text);
+        }
     }
 }

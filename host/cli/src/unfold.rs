@@ -33,10 +33,7 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     check_output("-o", &args.output, [&args.shape])?;
     let input = Input::of(&args.shape)?;
     let file = input.shape(args.frame)?;
-    let options = UnfoldOptions {
-        max_defect: degrees.to_radians(),
-        ..UnfoldOptions::default()
-    };
+    let options = UnfoldOptions::default().with(|it| it.max_defect = degrees.to_radians());
     let unfolding = unfold(&file.shape, &options).map_err(|source| FileError::Shape {
         path: input.name.clone(),
         source,

@@ -52,6 +52,7 @@ pub enum GroupQuantity {
 
 /// An error of the folded sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SheetError {
     /// Largest relative change of length of an edge.
     Deformation,

@@ -172,7 +172,7 @@ fn turns(
         }
         WrongTurn::BeyondBend => write!(
             f,
-            "bends its panel by {degrees} degrees, more than --bend allows or the file claims"
+            "bends its panel by {degrees} degrees, more than its bound or the file allows"
         ),
         WrongTurn::NotFlat => write!(
             f,

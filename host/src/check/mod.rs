@@ -35,6 +35,7 @@ use crate::progress::{Progress, Stage, Watch};
 
 /// Options of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CheckOptions {
     /// Bound on deformation and gap, a fraction.
     pub bound: f64,
@@ -74,6 +75,8 @@ impl Default for CheckOptions {
         }
     }
 }
+
+crate::util::changed_one_by_one!(CheckOptions);
 
 /// Difference of angles below which they are equal, radians: a hundred times the loss between radians and the
 /// degrees of a file, a millionth of a visible difference.
@@ -116,6 +119,7 @@ pub struct Sample {
 
 /// The verdict on a path.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Verdict {
     /// Faults of the path.
     pub failures: Vec<Failure>,
@@ -141,6 +145,7 @@ pub struct Verdict {
 
 /// Answer of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Outcome {
     /// The path has no fault, and no question is open.
     Holds,

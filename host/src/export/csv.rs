@@ -46,6 +46,7 @@ pub fn text(motion: &Motion, file: &Path) -> Result<String, FileError> {
 
 /// Meaning of a column of [`sampled`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Column {
     /// One hinge, named `edge_I` by the number I of its edge.
     #[default]

@@ -160,8 +160,7 @@ fn fits(length: u64, file: &Path) -> Result<u32, FileError> {
     u32::try_from(length).map_err(|_| FileError::Expected {
         path: file.to_path_buf(),
         place: "vertices_coords".into(),
-        expected: "vertices times frames that fit the 4 GiB of .glb (--frames N takes fewer)"
-            .into(),
+        expected: "vertices times frames that fit the 4 GiB of .glb".into(),
         found: format!("{length} bytes"),
     })
 }
@@ -267,8 +266,8 @@ mod tests {
         assert_eq!(fits(u64::from(u32::MAX), Path::new("a")).unwrap(), u32::MAX);
         assert_eq!(
             fits(1 << 32, Path::new("a.fold")).unwrap_err().to_string(),
-            "a.fold: vertices_coords: expected vertices times frames that fit the 4 GiB of .glb \
-             (--frames N takes fewer), found 4294967296 bytes"
+            "a.fold: vertices_coords: expected vertices times frames that fit the 4 GiB of .glb, \
+             found 4294967296 bytes"
         );
     }
 }

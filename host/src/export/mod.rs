@@ -72,6 +72,8 @@ pub struct ExportOptions {
     pub colour: svg_pattern::Colour,
 }
 
+crate::util::changed_one_by_one!(ExportOptions);
+
 /// What is exported.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {

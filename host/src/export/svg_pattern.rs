@@ -32,6 +32,7 @@ const STEPS: u32 = 50;
 
 /// Meaning of the colours of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Colour {
     /// Letters, with the goal angles as opacity.
     #[default]

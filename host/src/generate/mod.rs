@@ -21,14 +21,23 @@ use thiserror::Error;
 
 /// A parameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("--{parameter}: expected {expected}, found {found}")]
+#[non_exhaustive]
+#[error("{parameter}: {}", self.problem())]
 pub struct ParameterError {
-    /// The parameter, as the command line names it.
+    /// The parameter.
     pub parameter: &'static str,
     /// Its range.
     pub expected: &'static str,
     /// The value given.
     pub found: f64,
+}
+
+impl ParameterError {
+    /// Returns the problem, without the parameter's name.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        format!("expected {}, found {}", self.expected, self.found)
+    }
 }
 
 /// Largest number of rows or columns of a sheet: the largest sheets have a little more than 10⁷ edges.

@@ -29,6 +29,7 @@ pub struct Drawing {
 
 /// Reason why a drawing is no crease pattern. The texts use FOLD's keys, so that the place can be found in a file.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PatternError {
     /// The caller cancelled the call.
     #[error("the check of the drawing was cancelled")]

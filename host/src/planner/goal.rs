@@ -54,6 +54,7 @@ const FLAT_AT_END_RATIO: f64 = 0.5;
 
 /// Reason why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum GoalError {
     /// No angle and no assignment says which way to fold.
     #[error(
@@ -66,7 +67,7 @@ pub enum GoalError {
     Flat,
     /// A driven crease cannot turn to the angle asked for.
     #[error(
-        "--crease: edge {edge} is lettered {letter}, expected an angle its way, not 0 and at most 180 \
+        "edge {edge} is lettered {letter}, expected an angle its way, not 0 and at most 180 \
          degrees, found {degrees:.6}"
     )]
     Crease {
@@ -78,13 +79,13 @@ pub enum GoalError {
         degrees: f64,
     },
     /// A driven crease is named twice.
-    #[error("--crease: edge {edge} is named twice, expected each edge once")]
+    #[error("edge {edge} is named twice, expected each edge once")]
     CreaseTwice {
         /// The edge of the crease.
         edge: usize,
     },
     /// The fraction is out of its range.
-    #[error("--fold: expected a fraction above 0 and at most 1, found {0}")]
+    #[error("expected a fraction above 0 and at most 1, found {0}")]
     Fraction(f64),
 }
 

@@ -274,15 +274,13 @@ impl Display for Note {
             ),
             Self::WouldBend(most) => write!(
                 f,
-                "the sheet would fold if its panels might bend by {:.1} degrees: --bend {}",
-                most.to_degrees(),
-                most.to_degrees().ceil()
+                "the sheet would fold if its panels might bend by {:.1} degrees",
+                most.to_degrees()
             ),
             Self::ErrorsAddedUp { closure } => write!(
                 f,
                 "vertices fail to close by up to {closure:.1e}: at worst that adds up to more than the bound; what it \
-                 does add up to is certified of the sheet folded from its middle and from its rim, doubled for other \
-                 faces"
+                 does add up to is certified of the sheet folded from its middle and from its rim alone"
             ),
         }
     }

@@ -13,6 +13,7 @@ use crate::util::range::Range;
 
 /// Use of crease groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Symmetry {
     /// Uses the groups that are found and that the closure of the whole sheet confirms.
     #[default]
@@ -23,6 +24,7 @@ pub enum Symmetry {
 
 /// Vertices whose closure conditions the solver works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Vertices {
     /// One vertex for each distinct condition.
     #[default]
@@ -33,6 +35,7 @@ pub enum Vertices {
 
 /// Solver that closes the sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Solver {
     /// Levenberg-Marquardt.
     #[default]
@@ -43,6 +46,7 @@ pub enum Solver {
 
 /// Method by which the path is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Search {
     /// Follows the motion, from the goal or from flat; in phases where faces would cross if all creases turned at once.
     #[default]
@@ -55,6 +59,7 @@ pub enum Search {
 
 /// Time law along a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Timing {
     /// As fast as the limits of the hinges allow.
     #[default]
@@ -101,6 +106,7 @@ pub struct HingeLimit {
 
 /// Options of [`plan`](super::plan).
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlanOptions {
     /// Bound on deformation and gap of the whole sheet, a fraction of lengths: above 0 and at most 1.
     pub bound: f64,
@@ -177,8 +183,11 @@ impl Default for PlanOptions {
     }
 }
 
+crate::util::changed_one_by_one!(PlanOptions);
+
 /// An option outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 #[error("{option}: {}", self.problem())]
 pub struct OptionsError {
     /// Name of the option.

@@ -14,6 +14,7 @@ use crate::pattern::CreasePattern;
 
 /// Answer of the planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Outcome {
     /// The path reaches the goal, within the bound and free of crossings.
     #[default]

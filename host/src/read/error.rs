@@ -12,6 +12,7 @@ use crate::unfold::ShapeError;
 
 /// Reason why a file could not be read or written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// The operating system reported an error.
     #[error("{}: {source}", path.display())]

@@ -6,6 +6,7 @@ use super::{BYTE_ORDER_MARK, fold, stl};
 
 /// Format of a file that is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// FOLD, which is JSON.
     #[default]

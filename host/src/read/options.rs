@@ -14,6 +14,7 @@ pub const TOLERANCE: Range = Range::above("a finite length", 0.0);
 
 /// Options of reading a crease pattern. The default takes every choice from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReadOptions {
     /// Format of the file. Without it, the ending of the name says the format.
     pub format: Option<Format>,
@@ -26,9 +27,12 @@ pub struct ReadOptions {
     pub colours: ColourLetters,
 }
 
+crate::util::changed_one_by_one!(ReadOptions);
+
 /// Drawings whose vertices are moved a little, by at most twice the tolerance, so that lines that are nearly straight or
 /// parallel are so exactly, and so that vertices and holes fold flat that nearly do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Straighten {
     /// Drawings in which some vertex is off by more than a tenth of the usual tolerance, within that tolerance. The
     /// rounding of coordinates is less, and planning takes it into account.
@@ -120,6 +124,7 @@ impl core::fmt::Display for ColourLetters {
 
 /// The part of a text that gives no colour a letter.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 #[error("expected {expected}, found {found:?}")]
 pub struct ColourLettersError {
     /// Description of what the part has to be.

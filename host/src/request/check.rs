@@ -1,4 +1,5 @@
 //! A verdict on a motion as JSON.
+#![allow(missing_docs, reason = "docs/schema/check.json describes the keys")]
 
 use serde::Serialize;
 
@@ -10,10 +11,6 @@ use crate::pattern::CreasePattern;
 /// A verdict on a motion, which serialises to the JSON object of `foldpath check --json`. Angles are in degrees, lengths in
 /// the units of the sheet.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/check.json"
-)]
 pub struct CheckJson {
     pub outcome: &'static str,
     pub reason: Option<String>,
@@ -35,10 +32,6 @@ pub struct CheckJson {
 
 /// Two faces that pass through each other.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/check.json"
-)]
 pub struct CrossingJson {
     pub faces: [u32; 2],
     pub between_knots: [usize; 2],

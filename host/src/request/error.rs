@@ -5,15 +5,41 @@ use thiserror::Error;
 use crate::generate::ParameterError;
 use crate::planner::{GoalError, OptionsError};
 
-/// A request that cannot be met. Options are named as on the command line.
+/// A request that cannot be met.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RequestError {
-    /// An option is out of its range.
-    #[error("--{}: {}", .0.option, .0.problem())]
-    Options(#[from] OptionsError),
-    /// A parameter of a family is out of its range.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
+    /// An option, or a parameter of a family, has a value that it cannot have.
+    #[error("{option}: {problem}")]
+    Option {
+        /// Name of the option, with `_` between its words.
+        option: String,
+        /// What was expected, and what was found.
+        problem: String,
+        /// What may be meant.
+        hint: Option<String>,
+    },
+    /// An option is given beside another that excludes it.
+    #[error("{option}: expected without {other}")]
+    Excluded {
+        /// Name of the option, with `_` between its words.
+        option: &'static str,
+        /// Name of the other one.
+        other: &'static str,
+    },
+    /// An option of exporting is given for a format that does not take it.
+    #[error("{option}: expected the format {}, found {found}", .takers.join(" or "))]
+    Format {
+        /// Name of the option, with `_` between its words.
+        option: &'static str,
+        /// Names of the formats that take it.
+        takers: Vec<&'static str>,
+        /// Name of the format.
+        found: &'static str,
+    },
+    /// There is no option of this name.
+    #[error("unexpected option {0}")]
+    NoOption(String),
     /// The pattern has no such goal.
     #[error("{file}: {source}")]
     Goal {
@@ -22,15 +48,29 @@ pub enum RequestError {
         /// The reason.
         source: GoalError,
     },
-    /// An option has a value that it cannot have, or options exclude each other.
+    /// Anything else.
     #[error("{0}")]
     Usage(String),
-    /// An option names an edge that is no hinge.
-    #[error("{text}")]
-    Hinge {
-        /// The message.
-        text: String,
-        /// A hinge that may be meant.
-        hint: Option<String>,
-    },
+}
+
+impl RequestError {
+    pub(super) fn option(option: &str, problem: impl Into<String>) -> Self {
+        Self::Option {
+            option: option.into(),
+            problem: problem.into(),
+            hint: None,
+        }
+    }
+}
+
+impl From<OptionsError> for RequestError {
+    fn from(error: OptionsError) -> Self {
+        Self::option(error.option, error.problem())
+    }
+}
+
+impl From<ParameterError> for RequestError {
+    fn from(error: ParameterError) -> Self {
+        Self::option(error.parameter, error.problem())
+    }
 }

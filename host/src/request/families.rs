@@ -230,8 +230,8 @@ impl Family {
         let Some(info) = parameters.iter().find(|info| info.is_called(name)) else {
             let known: Vec<&str> = parameters.iter().map(|info| info.name).collect();
             let known = known.join(", ");
-            let text = format!("--{name}: expected one of the parameters {known}");
-            return Err(RequestError::Usage(text));
+            let problem = format!("expected one of the parameters {known}");
+            return Err(RequestError::option(name, problem));
         };
         let it = &mut self.parameters;
         let set = match info.name {

@@ -20,10 +20,11 @@ impl PlanRequest {
         pattern: &CreasePattern,
         read_goal: impl Fn(&Path, &CreasePattern) -> Result<NamedGoal, E>,
     ) -> Result<Goal, E> {
-        let bad = |source| match source {
+        let bad = |source: GoalError| match source {
             GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
-                RequestError::Usage(source.to_string())
+                RequestError::option("crease", source.to_string())
             }
+            GoalError::Fraction(_) => RequestError::option("fold", source.to_string()),
             _ => RequestError::Goal {
                 file: name.display().to_string(),
                 source,
@@ -38,9 +39,8 @@ impl PlanRequest {
             ))
         };
         if !self.via.is_empty() && self.search == Search::Random {
-            let text =
-                "--via: expected --search auto or path, as the randomised search knows no phases";
-            return Err(RequestError::Usage(text.into()).into());
+            let problem = "expected search auto or path, as the randomised search knows no phases";
+            return Err(RequestError::option("via", problem).into());
         }
         let mut goal = match (&self.goal, self.fold, &self.crease[..]) {
             (Some(path), ..) => chosen(path)?,
@@ -49,7 +49,7 @@ impl PlanRequest {
             (None, None, []) => Goal::of_pattern(pattern).map_err(bad)?,
             (None, None, driven) => {
                 let driven = driven.iter().map(|driven| {
-                    let crease = crease(pattern, "--crease", driven.edge)?;
+                    let crease = crease(pattern, "crease", driven.edge)?;
                     Ok((crease, driven.degrees.to_radians()))
                 });
                 let driven: Vec<_> = driven.collect::<Result<_, RequestError>>()?;
@@ -68,7 +68,7 @@ impl PlanRequest {
     ) -> Result<Vec<HingeLimit>, RequestError> {
         let limit = |limit: &LimitedEdge| {
             Ok(HingeLimit {
-                crease: crease(pattern, "--limit", limit.edge)?,
+                crease: crease(pattern, "limit", limit.edge)?,
                 lower: limit.lower.to_radians(),
                 upper: limit.upper.to_radians(),
             })
@@ -100,8 +100,8 @@ impl PlanRequest {
             };
             (!room).then(|| {
                 format!(
-                    "--limit: edge {}, {what}, turns to angles {side} 0, of which {}..{} degrees leave it none: it stays \
-                     flat",
+                    "edge {}, {what}, turns to angles {side} 0, of which its limit of {}..{} degrees leaves none: it \
+                     stays flat",
                     limit.edge, limit.lower, limit.upper
                 )
             })
@@ -110,7 +110,7 @@ impl PlanRequest {
     }
 }
 
-/// Returns the flat sheet as a goal. The path begins at the flat sheet, and with `--via` it goes back to it.
+/// Returns the flat sheet as a goal. The path begins at the flat sheet, and with `via` it goes back to it.
 fn flat(pattern: &CreasePattern) -> Goal {
     let angles = vec![Some(0.0); pattern.creases().len()];
     Goal::chosen(pattern, angles, "the flat sheet".into())
@@ -124,8 +124,9 @@ fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId
             Some(edge) => format!("it is lettered {}", edge.letter.code()),
             None => format!("edges go from 0 to {}", pattern.edges().len() - 1),
         };
-        RequestError::Hinge {
-            text: format!("{option}: edge {edge}: expected a hinge between two faces, but {found}"),
+        RequestError::Option {
+            option: option.into(),
+            problem: format!("edge {edge}: expected a hinge between two faces, but {found}"),
             hint: nearest_hinge(pattern, edge),
         }
     })

@@ -1,4 +1,5 @@
 //! A description of a crease pattern, as JSON.
+#![allow(missing_docs, reason = "docs/schema/info.json describes the keys")]
 
 use std::collections::BTreeMap;
 
@@ -24,10 +25,6 @@ pub struct PatternInfo {
 
 /// The description of a crease pattern, which serialises to the JSON object of `foldpath info --json`.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/info.json"
-)]
 pub struct PatternInfoJson {
     pub vertices: usize,
     pub edges: usize,
@@ -66,10 +63,6 @@ pub struct Room {
 
 /// A cause why a pattern may not fold.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/info.json"
-)]
 pub struct CauseJson {
     pub kind: &'static str,
     pub vertices: Vec<usize>,
@@ -103,9 +96,9 @@ impl PatternInfo {
         let groups = CreaseGroups::find_until(pattern, watch);
         let mut assumptions = pattern.assumptions().to_vec();
         if watch.is_over() {
-            let timeout =
-                "--timeout ended the search for crease groups: there may be fewer than are told";
-            assumptions.push(timeout.to_string());
+            let note =
+                "time ran out in the search for crease groups: there may be fewer than are told";
+            assumptions.push(note.to_string());
         }
         let stars = ReducedStars::all(pattern, &groups).essential();
         let mut letters = BTreeMap::new();

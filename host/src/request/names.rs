@@ -22,6 +22,7 @@ pub enum Switch {
 
 /// Data that each knot of a written path stores.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Frames {
     /// Fold angles and the positions of all vertices.
     #[default]

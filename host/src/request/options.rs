@@ -228,15 +228,11 @@ impl ExportRequest {
         let takers = FORMATS
             .iter()
             .filter(|format| format.options.contains(&info.name));
-        let takers: Vec<String> = takers
-            .map(|format| format!("--to {}", format.name))
-            .collect();
-        let expected = format!(
-            "expected {}, found --to {}",
-            takers.join(" or "),
-            format.name
-        );
-        Err(info.refused(&expected))
+        Err(RequestError::Format {
+            option: info.name,
+            takers: takers.map(|format| format.name).collect(),
+            found: format.name,
+        })
     }
 }
 
@@ -245,14 +241,14 @@ fn duration(seconds: f64) -> Option<Duration> {
     Duration::try_from_secs_f64(seconds).ok()
 }
 
-/// Returns the time that `--timeout` allows, if it does.
+/// Returns the time that the option `timeout` allows, if it does.
 ///
 /// # Errors
 /// If the number of seconds is negative or not a number.
 pub fn timeout(seconds: Option<f64>) -> Result<Option<Duration>, RequestError> {
     if let Some(found) = seconds.filter(|seconds| !TIMEOUT_S.contains(*seconds)) {
-        let text = format!("--timeout: expected {TIMEOUT_S}, found {found}");
-        return Err(RequestError::Usage(text));
+        let problem = format!("expected {TIMEOUT_S}, found {found}");
+        return Err(RequestError::option("timeout", problem));
     }
     Ok(seconds.and_then(duration))
 }

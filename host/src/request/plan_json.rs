@@ -1,4 +1,5 @@
 //! The answer to a request as JSON.
+#![allow(missing_docs, reason = "docs/schema/plan.json describes the keys")]
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -9,6 +10,7 @@ use serde::Serialize;
 use super::hints::radians_hint;
 use super::options::PlanRequest;
 use super::plan::Planned;
+use crate::collision::SweepCounts;
 use crate::motion::Motion;
 use crate::pattern::{EdgeId, Letter};
 use crate::planner::{Attempt, Outcome};
@@ -53,10 +55,6 @@ impl InputJson {
 /// The answer to a [`PlanRequest`], which serialises to the JSON object of `foldpath plan --json`. Lengths are in the units
 /// of the sheet, angles in degrees, times in seconds.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/plan.json"
-)]
 pub struct PlanJson<'a> {
     pub version: &'static str,
     pub input: &'a InputJson,
@@ -85,16 +83,12 @@ pub struct PlanJson<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<TimeJson>,
     pub solver: SolverJson,
-    pub collision: CollisionJson,
+    pub collision: SweepCounts,
     pub seed: u64,
 }
 
 /// A strategy that was tried.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/plan.json"
-)]
 pub struct AttemptJson {
     pub strategy: &'static str,
     pub outcome: &'static str,
@@ -105,10 +99,6 @@ pub struct AttemptJson {
 
 /// Times that were taken, seconds.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/plan.json"
-)]
 pub struct TimeJson {
     pub total: f64,
     pub read: f64,
@@ -121,28 +111,9 @@ pub struct TimeJson {
 
 /// Work of the solver.
 #[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/plan.json"
-)]
 pub struct SolverJson {
     pub iterations: u64,
     pub evaluations: u64,
-}
-
-/// Pairs of faces that the search for crossings looked at and skipped.
-#[derive(Debug, Serialize)]
-#[allow(
-    missing_docs,
-    reason = "the keys are described in docs/schema/plan.json"
-)]
-pub struct CollisionJson {
-    pub pairs: u64,
-    pub tested: u64,
-    pub skipped_symmetry: u64,
-    pub skipped_motion: u64,
-    pub skipped_bounds: u64,
-    pub skipped_edges: u64,
 }
 
 impl AttemptJson {
@@ -227,14 +198,7 @@ impl Planned {
                 iterations: plan.iterations,
                 evaluations: plan.evaluations,
             },
-            collision: CollisionJson {
-                pairs: plan.collision.pairs,
-                tested: plan.collision.tested,
-                skipped_symmetry: plan.collision.skipped_symmetry,
-                skipped_motion: plan.collision.skipped_motion,
-                skipped_bounds: plan.collision.skipped_bounds,
-                skipped_edges: plan.collision.skipped_edges,
-            },
+            collision: plan.collision,
             seed: request.seed,
         }
     }

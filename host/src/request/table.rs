@@ -68,7 +68,7 @@ impl OptionInfo {
     }
 
     pub(super) fn refused(&self, problem: &str) -> RequestError {
-        RequestError::Usage(format!("--{}: {problem}", self.flag()))
+        RequestError::option(self.name, problem)
     }
 }
 
@@ -292,9 +292,7 @@ pub trait Request: Clone + Default + PartialEq + 'static {
         if self.give(&name, value)? {
             return Ok(());
         }
-        let flag = name.replace('_', "-");
-        let text = format!("unexpected argument '--{flag}' found");
-        Err(RequestError::Usage(text))
+        Err(RequestError::NoOption(name))
     }
 
     /// Does what [`set`](Self::set) does, for a name with `_`. Returns `false` if there is no such option.
@@ -353,7 +351,8 @@ pub(super) fn apply<R: Request>(request: &R, options: &mut R::Options) -> Result
         }
         let other = info.excludes.iter().find(|other| given(other));
         if let Some(other) = other.filter(|_| given(info.name)) {
-            return Err(info.refused(&format!("expected without --{other}")));
+            let option = info.name;
+            return Err(RequestError::Excluded { option, other });
         }
         (row.apply)(request, options);
     }

@@ -6,10 +6,11 @@ use foldpath_core::follower::{Denial, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Command, Item, ToHost};
-use foldpath_core::wire::sender::{self, Phase, Sender, Source};
+use foldpath_core::wire::sender::{self, Failure, Phase, Sender, Source};
+use thiserror::Error;
 
+use super::Link;
 use super::session::MAX_BYTES;
-use super::{Link, words};
 
 /// Time for a message that tells of a hinge, microseconds. A controller tells every 20 ms, and less often on a slow line.
 const PATIENCE: u64 = 500_000;
@@ -63,20 +64,25 @@ pub enum Jogged {
 }
 
 /// Reason why a command was not carried out.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BenchError {
     /// The line is broken.
-    Line(io::Error),
+    #[error("the line: {0}")]
+    Line(#[from] io::Error),
     /// There is no session with the controller.
-    NoDevice(String),
+    #[error(transparent)]
+    NoSession(Failure),
     /// The controller has denied the command.
-    Denied(String),
-}
-
-impl From<io::Error> for BenchError {
-    fn from(error: io::Error) -> Self {
-        Self::Line(error)
-    }
+    #[error("{denial}")]
+    Denied {
+        /// Why.
+        denial: Denial,
+        /// State of the controller, if it has told one.
+        state: Option<State>,
+        /// Number of hinges for which the controller has room.
+        hinges: u16,
+    },
 }
 
 /// A session with a controller that has no path.
@@ -152,8 +158,7 @@ impl<L: Link> Bench<L> {
             }
         }
         if let Phase::Failed(failure) = self.sender.phase() {
-            let met = self.sender.capacity().is_some();
-            return Err(BenchError::NoDevice(words::failure(failure, met)));
+            return Err(BenchError::NoSession(failure));
         }
         Ok(())
     }
@@ -178,39 +183,18 @@ impl<L: Link> Bench<L> {
         from: Option<f32>,
         to: Option<f32>,
     ) -> Result<(), BenchError> {
-        let denied = self.ask(Command::Jog { hinge, from, to })?;
-        denied.map_err(|denial| BenchError::Denied(self.denial(hinge, denial)))
+        let answer = self.ask(Command::Jog { hinge, from, to })?;
+        answer.map_err(|denial| self.denied(denial))
     }
 
-    /// Explains why a hinge is not watched or moved, and what to do.
-    fn denial(&self, hinge: u16, denial: Denial) -> String {
-        let report = self.sender.report();
-        let idle = report.is_some_and(|report| report.state == State::Idle);
-        match denial {
-            Denial::State if idle => {
-                "the controller knows where its sheet stands and holds its hinges there, and one that moves alone would \
-                 tear the sheet; take the sheet off, and let `clear` forget where it stands"
-                    .into()
-            }
-            Denial::State => {
-                let state = report.map(|report| report.state);
-                let state = state.map_or_else(String::new, |state| format!(" ({state:?})"));
-                format!("the controller has a path or a fault{state}; `clear` drops it")
-            }
-            Denial::Held => "the stop line holds the hinges; let it go, and then `clear`".into(),
-            Denial::Range => {
-                let room = self.sender.capacity().unwrap_or_default().hinges;
-                format!(
-                    "expected a hinge below {room}, and an angle within the limits that the board has for it"
-                )
-            }
-            Denial::Unknown(_) => format!(
-                "nothing tells where hinge {hinge} stands; look, and add `from DEGREES`"
-            ),
-            Denial::Jump(_) => format!(
-                "hinge {hinge} stands elsewhere than was said, or beyond the limits that the board has for it"
-            ),
-            denial => words::denial(denial),
+    /// Returns a denial with what the controller has told of itself.
+    fn denied(&self, denial: Denial) -> BenchError {
+        let state = self.sender.report().map(|report| report.state);
+        let hinges = self.sender.capacity().unwrap_or_default().hinges;
+        BenchError::Denied {
+            denial,
+            state,
+            hinges,
         }
     }
 
@@ -261,7 +245,7 @@ impl<L: Link> Bench<L> {
                 let measured = seen.measured.filter(|angle| angle.is_finite());
                 let begin = seen.commanded.or(measured).or(from);
                 let unknown = Denial::Unknown(hinge);
-                angle + begin.ok_or_else(|| BenchError::Denied(self.denial(hinge, unknown)))?
+                angle + begin.ok_or_else(|| self.denied(unknown))?
             }
         };
         self.ask_jog(hinge, from, Some(to))?;
@@ -312,16 +296,11 @@ impl<L: Link> Bench<L> {
             .is_some_and(|report| report.state == State::Faulted)
         {
             self.ask(Command::Clear)?
-                .map_err(|denial| BenchError::Denied(words::denial(denial)))?;
+                .map_err(|denial| self.denied(denial))?;
         }
         // The path goes before the hold, so that nothing can move.
         for command in [Command::Forget, Command::Resume] {
-            self.ask(command)?.map_err(|denial| {
-                BenchError::Denied(match denial {
-                    Denial::Held => "the stop line is drawn; let it go, and then `clear`".into(),
-                    denial => words::denial(denial),
-                })
-            })?;
+            self.ask(command)?.map_err(|denial| self.denied(denial))?;
         }
         Ok(())
     }

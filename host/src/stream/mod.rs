@@ -10,6 +10,7 @@
 
 mod bench;
 mod channels;
+mod ending;
 mod faulty;
 mod link;
 mod pair;
@@ -18,10 +19,10 @@ mod plant;
 mod script;
 mod session;
 mod sim;
-mod words;
 
 pub use bench::{Bench, BenchError, Jogged, Seen, Way};
 pub use channels::{Channel, Channels};
+pub use ending::Ending;
 pub use faulty::Faulty;
 pub use link::Link;
 pub use pair::{Pairing, pair};

@@ -8,7 +8,7 @@ use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::{Item, ToDevice};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 
-use super::{Link, words};
+use super::Link;
 
 /// Time for a session to open, microseconds.
 const PATIENCE: u64 = 2_000_000;
@@ -16,7 +16,8 @@ const PATIENCE: u64 = 2_000_000;
 const ROUNDS: u32 = 3;
 
 /// Outcome of [`pair`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Pairing {
     /// The controller has the key, and has answered with it.
     Paired,
@@ -25,8 +26,8 @@ pub enum Pairing {
     Refused,
     /// No controller answers, or only one that has another key could be there.
     NoDevice,
-    /// A controller answers that speaks another version of the protocol. The sentence says which one.
-    Version(String),
+    /// A controller answers that speaks another version of the protocol.
+    Version(Failure),
 }
 
 /// A host that sends no items.
@@ -55,7 +56,7 @@ pub fn pair(link: &mut impl Link, key: Key, nonce: u64) -> io::Result<Pairing> {
         });
         let opened = open(link, &mut plain.0)?;
         if let Phase::Failed(failure @ Failure::Version { .. }) = plain.0.phase() {
-            return Ok(Pairing::Version(words::failure(failure, true)));
+            return Ok(Pairing::Version(failure));
         }
         if opened {
             answers = true;

@@ -9,7 +9,7 @@ use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::sender::{self, Phase};
 
-use super::{Link, StreamPath, words};
+use super::{Ending, Link, StreamPath};
 
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
 const PATIENCE: u64 = 1_000_000;
@@ -38,6 +38,7 @@ pub enum Stands {
 
 /// Options of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Options {
     /// `true` to undo whatever holds the sheet at the beginning of the session, a stop line and a fault as well, and to begin
     /// where the sheet stands instead of at the start of the path. A later hold is not undone.
@@ -54,6 +55,8 @@ pub struct Options {
     /// With a key: upper half of a number of which `id` is the lower half, and which no session with this key has had.
     pub nonce: u32,
 }
+
+crate::util::changed_one_by_one!(Options);
 
 /// Commanded state at a moment, as the controller reported it.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +139,8 @@ pub trait Watcher {
 }
 
 /// Outcome of a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Outcome {
     /// The sheet is at the end of the path.
     Done,
@@ -147,6 +151,7 @@ pub enum Outcome {
     /// The watcher stopped the motion.
     Stopped,
     /// No controller answers, it speaks another version of the protocol, or the connection was lost.
+    #[default]
     NoDevice,
 }
 
@@ -165,12 +170,13 @@ impl Outcome {
 }
 
 /// Result of a session.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// Outcome of the session.
     pub outcome: Outcome,
     /// Reason of the outcome, unless it is `Done`.
-    pub reason: Option<String>,
+    pub reason: Option<Ending>,
     /// Number of setpoints that the controller accepted.
     pub setpoints: u64,
     /// Number of bytes on the line to the controller.
@@ -261,7 +267,8 @@ pub fn run(
         // controller.
         broken = broken.or_else(|| session.exchange(link).err());
         if let Some(error) = broken {
-            break (Outcome::NoDevice, Some(format!("the line: {error}")));
+            let what = format!("the line: {error}");
+            break (Outcome::NoDevice, Some(Ending::Line(what)));
         }
         if let Some(end) = session.end(link.now()) {
             break end;
@@ -408,23 +415,20 @@ impl Session<'_> {
     }
 
     /// Returns the outcome and its reason, if the session has ended.
-    fn end(&mut self, now: u64) -> Option<(Outcome, Option<String>)> {
+    fn end(&mut self, now: u64) -> Option<(Outcome, Option<Ending>)> {
         if let Phase::Failed(failure) = self.driver.sender().phase() {
-            let met = self.driver.sender().capacity().is_some();
-            return Some((Outcome::NoDevice, Some(words::failure(failure, met))));
+            return Some((Outcome::NoDevice, Some(Ending::NoSession(failure))));
         }
         if let Some(drawn) = self.quit {
             let report = self.driver.sender().report();
             let stands = report.is_none_or(|report| report.stopped);
             let reason = match drawn {
-                None => "left at once; the controller holds when it hears nothing",
-                Some(_) if stands => "stopped at once by the stop line",
-                Some(drawn) if now > drawn + PATIENCE => {
-                    "the stop line was drawn; no word of it came"
-                }
+                None => Ending::Left,
+                Some(_) if stands => Ending::Quit { reported: true },
+                Some(drawn) if now > drawn + PATIENCE => Ending::Quit { reported: false },
                 Some(_) => return None,
             };
-            return Some((Outcome::Stopped, Some(reason.into())));
+            return Some((Outcome::Stopped, Some(reason)));
         }
         // Waits for the telemetry at the end of the path, so that the log is complete.
         if self.driver.is_done() && self.last.is_some_and(|(state, _)| state == State::Done) {
@@ -435,17 +439,17 @@ impl Session<'_> {
     }
 
     /// Returns the outcome and its reason if the motion cannot go on, once the sheet is at rest.
-    fn obstacle(&mut self, now: u64) -> Option<(Outcome, String)> {
+    fn obstacle(&mut self, now: u64) -> Option<(Outcome, Ending)> {
         let sender = self.driver.sender();
         let Some(report) = sender.report() else {
             let gone = self.wish == Wish::Stop;
-            return gone.then(|| (Outcome::Stopped, "stopped before it began".into()));
+            return gone.then_some((Outcome::Stopped, Ending::NotBegun));
         };
         let (state, reason) = (report.state, report.reason);
         let recovers = self.resume && !self.driver.is_started();
         if state == State::Faulted {
-            let words = || words::failed(reason, report.stopped);
-            return (!recovers).then(|| (Outcome::Faulted, words()));
+            let stopped = report.stopped;
+            return (!recovers).then_some((Outcome::Faulted, Ending::Failed { reason, stopped }));
         }
         let rests = match state {
             State::Running => false,
@@ -458,35 +462,33 @@ impl Session<'_> {
             return None;
         }
         if let Some(place) = self.driver.astray() {
-            let reason = format!("the sheet stands at knot {}, not on this path", place.knot);
-            return Some((Outcome::Held, reason));
+            return Some((Outcome::Held, Ending::Astray(place.knot)));
         }
-        if let Some(refused) = report.refused {
-            let words = words::refusal(refused, self.knot(), sender.capacity());
-            return Some((Outcome::Held, words));
+        if let Some(item) = report.refused {
+            let (knot, room) = (self.knot(), sender.capacity().unwrap_or_default());
+            return Some((Outcome::Held, Ending::Refused { item, knot, room }));
         }
         let refuses = sender.answer() == Some(Err(Denial::Held));
         if report.stopped && (!recovers || refuses) {
-            return Some((Outcome::Held, words::reason(Reason::StopLine)));
+            return Some((Outcome::Held, Ending::Held(Reason::StopLine)));
         }
         if self.wish == Wish::Stop && (state != State::Ready || reason != Reason::None) {
-            let reason = "stopped; --resume goes on from where the sheet stands";
-            return Some((Outcome::Stopped, reason.into()));
+            return Some((Outcome::Stopped, Ending::Stopped));
         }
         if let Some(reason) = self.driver.held() {
-            return Some((Outcome::Held, words::held(reason)));
+            return Some((Outcome::Held, Ending::Held(reason)));
         }
         let Some(Err(why)) = sender.answer().filter(|_| state == State::Ready) else {
             return None;
         };
         match why {
             Denial::Jump(_) | Denial::Place | Denial::Empty => {
-                Some((Outcome::Held, words::denial(why)))
+                Some((Outcome::Held, Ending::Denied(why)))
             }
             // The controller may need a while to measure all hinges.
             Denial::Unknown(_) | Denial::Spread(_) => {
                 let since = *self.unknown.get_or_insert(now);
-                (now > since + PATIENCE).then(|| (Outcome::Held, words::denial(why)))
+                (now > since + PATIENCE).then_some((Outcome::Held, Ending::Denied(why)))
             }
             _ => None,
         }
@@ -497,7 +499,7 @@ impl Session<'_> {
         self.driver.first_knot() + self.driver.setpoints()
     }
 
-    fn summary(&self, (outcome, reason): (Outcome, Option<String>), duration: u64) -> Summary {
+    fn summary(&self, (outcome, reason): (Outcome, Option<Ending>), duration: u64) -> Summary {
         let sender = self.driver.sender();
         let refused = sender.report().is_some_and(|r| r.refused.is_some());
         Summary {

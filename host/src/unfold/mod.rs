@@ -28,6 +28,7 @@ use surface::Surface;
 
 /// Options of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct UnfoldOptions {
     /// Largest angle defect (radians) of an interior vertex that counts as developable, and largest slope of a corner
     /// out of the plane of its face.
@@ -48,8 +49,11 @@ impl Default for UnfoldOptions {
     }
 }
 
+crate::util::changed_one_by_one!(UnfoldOptions);
+
 /// Outcome of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Outcome {
     /// A crease pattern was found.
     Unfolded,
@@ -73,6 +77,7 @@ impl Outcome {
 
 /// Reason why a shape has no flat pattern. `Display` makes a sentence of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Reason {
     /// The angles round a vertex do not sum to a full turn.
     AngleDefect {

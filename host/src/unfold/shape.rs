@@ -105,6 +105,7 @@ impl FoldedShape {
 
 /// Reason why a shape cannot be unfolded at all. Faces, edges and vertices are counted from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ShapeError {
     /// The caller cancelled the call.
     #[error("unfolding was cancelled")]

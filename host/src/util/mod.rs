@@ -8,3 +8,20 @@ pub mod parallel;
 pub mod progress;
 pub mod range;
 pub(crate) mod union_find;
+
+/// Gives options of type `T` a method that changes some of them: code in other packages cannot write such a struct out,
+/// because it may get more fields.
+macro_rules! changed_one_by_one {
+    ($T:ty) => {
+        impl $T {
+            /// Returns these options with some of them changed:
+            #[doc = concat!("`", stringify!($T), "::default().with(|it| it.field = value)`.")]
+            #[must_use]
+            pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+                change(&mut self);
+                self
+            }
+        }
+    };
+}
+pub(crate) use changed_one_by_one;

@@ -254,10 +254,7 @@ fn plan_derives_the_essential_tolerance_from_the_bound() {
     let goal = Goal::of_pattern(&pattern).unwrap();
     let factor = amplification(&pattern).worst();
     for bound in [1e-2, 1e-4, 1e-6, 1e-8] {
-        let options = PlanOptions {
-            bound,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.bound = bound);
         let plan = plan(&pattern, &goal, &options);
         assert_eq!(plan.amplification, Some(factor));
         let ratio = plan.essential_tolerance * factor / bound;

@@ -20,10 +20,7 @@ fn twist() -> CreasePattern {
 }
 
 fn folded(pattern: &CreasePattern, fold: f64, bend: f64) -> Plan {
-    let options = PlanOptions {
-        bend: bend.to_radians(),
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bend = bend.to_radians());
     plan(pattern, &Goal::of_letters(pattern, fold).unwrap(), &options)
 }
 
@@ -33,10 +30,7 @@ fn reread(motion: &Motion) -> Motion {
 }
 
 fn holds(motion: &Motion, bend: f64) -> Result<(), String> {
-    let options = CheckOptions {
-        bend: bend.to_radians(),
-        ..CheckOptions::default()
-    };
+    let options = CheckOptions::default().with(|it| it.bend = bend.to_radians());
     let verdict = check(motion, &options);
     if verdict.holds() {
         Ok(())

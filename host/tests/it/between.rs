@@ -43,10 +43,7 @@ fn flaps() -> CreasePattern {
 fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
     let pattern = flaps();
     let goal = Goal::of_pattern(&pattern).unwrap();
-    let blind = PlanOptions {
-        collision: false,
-        ..PlanOptions::default()
-    };
+    let blind = PlanOptions::default().with(|it| it.collision = false);
     let unseen = plan(&pattern, &goal, &blind);
     assert_eq!(unseen.outcome, Outcome::Planned);
     let tree = SpanningTree::from_central_face(&pattern);

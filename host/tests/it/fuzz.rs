@@ -219,13 +219,7 @@ fn plan_and_check(file: &Path) -> Option<()> {
     let moderate = coordinates.clone().all(|c| c.abs() < 1e3);
     if plan.outcome == Outcome::Planned && moderate {
         let path = read_motion(file).expect("a planned path can be read");
-        let verdict = check(
-            &path,
-            &CheckOptions {
-                bound: 0.01,
-                ..CheckOptions::default()
-            },
-        );
+        let verdict = check(&path, &CheckOptions::default().with(|it| it.bound = 0.01));
         assert_eq!(verdict.findings(), [""; 0], "a planned path holds");
     }
     Some(())

@@ -30,10 +30,7 @@ fn closure_at(pattern: &CreasePattern, angles: &[f64]) -> f64 {
 fn outcomes(pattern: &CreasePattern) -> [Outcome; 2] {
     let goal = Goal::of_pattern(pattern).unwrap();
     [Symmetry::Auto, Symmetry::Off].map(|symmetry| {
-        let options = PlanOptions {
-            symmetry,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.symmetry = symmetry);
         plan(pattern, &goal, &options).outcome
     })
 }
@@ -246,11 +243,11 @@ fn parameters_out_of_range_are_refused() {
     let refused = [
         (
             Quad { rows: 0, ..quad }.drawing(),
-            "--rows: expected 1 to 3000, found 0",
+            "rows: expected 1 to 3000, found 0",
         ),
         (
             Quad { fold: 0.2, ..quad }.drawing(),
-            "--fold: expected a fraction above 0 and at most 0.1, found 0.2",
+            "fold: expected a fraction above 0 and at most 0.1, found 0.2",
         ),
         (
             SquareTwist {
@@ -258,11 +255,11 @@ fn parameters_out_of_range_are_refused() {
                 ..twist
             }
             .drawing(),
-            "--cols: expected 1 to 3000, found 3001",
+            "cols: expected 1 to 3000, found 3001",
         ),
         (
             SquareTwist { fold: 0.0, ..twist }.drawing(),
-            "--fold: expected a fraction above 0 and at most 1, found 0",
+            "fold: expected a fraction above 0 and at most 1, found 0",
         ),
         (
             SquareTwist {
@@ -270,7 +267,7 @@ fn parameters_out_of_range_are_refused() {
                 ..twist
             }
             .drawing(),
-            "--angle: expected 1 to 89 degrees, found NaN",
+            "angle: expected 1 to 89 degrees, found NaN",
         ),
         (
             Resch {
@@ -278,7 +275,7 @@ fn parameters_out_of_range_are_refused() {
                 columns: 0,
             }
             .drawing(),
-            "--cols: expected 1 to 3000, found 0",
+            "cols: expected 1 to 3000, found 0",
         ),
         (
             Kresling {
@@ -286,7 +283,7 @@ fn parameters_out_of_range_are_refused() {
                 columns: 5,
             }
             .drawing(),
-            "--cols: expected an even number of sides from 4 to 24, found 5",
+            "cols: expected an even number of sides from 4 to 24, found 5",
         ),
         (
             Kresling {
@@ -294,7 +291,7 @@ fn parameters_out_of_range_are_refused() {
                 columns: 6,
             }
             .drawing(),
-            "--rows: expected as many rings as have a raised state, which are fewer, found 9",
+            "rows: expected as many rings as have a raised state, which are fewer, found 9",
         ),
     ];
     for (drawing, message) in refused {

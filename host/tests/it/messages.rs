@@ -304,12 +304,12 @@ fn notes_are_sentences() {
         ),
         (
             Note::WouldBend(0.5),
-            "the sheet would fold if its panels might bend by 28.6 degrees: --bend 29",
+            "the sheet would fold if its panels might bend by 28.6 degrees",
         ),
         (
             Note::ErrorsAddedUp { closure: 1e-5 },
             "vertices fail to close by up to 1.0e-5: at worst that adds up to more than the bound; what it does add up \
-             to is certified of the sheet folded from its middle and from its rim, doubled for other faces",
+             to is certified of the sheet folded from its middle and from its rim alone",
         ),
     ];
     for (note, sentence) in all {

@@ -330,10 +330,7 @@ fn a_path_of_no_numbers_does_not_hold() {
             assert!(!verdict.holds(), "{name} {bad}");
         }
     }
-    let unbound = CheckOptions {
-        bound: f64::NAN,
-        ..CheckOptions::default()
-    };
+    let unbound = CheckOptions::default().with(|it| it.bound = f64::NAN);
     assert_eq!(
         check(&path, &unbound).failures,
         [Failure::BoundIsNotANumber]

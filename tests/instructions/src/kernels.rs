@@ -215,10 +215,7 @@ fn groups() -> Box<dyn FnMut()> {
 fn whole_plan(name: &str, symmetry: Symmetry) -> Box<dyn FnMut()> {
     let pattern = read(name);
     let goal = Goal::of_pattern(&pattern).expect("a goal");
-    let options = PlanOptions {
-        symmetry,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.symmetry = symmetry);
     Box::new(move || {
         let plan = plan(black_box(&pattern), &goal, &options);
         assert_eq!(plan.outcome, Outcome::Planned);

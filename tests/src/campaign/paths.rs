@@ -60,12 +60,10 @@ static GOOD: LazyLock<Vec<Value>> = LazyLock::new(|| {
             Interpolation::Homogeneous,
             Interpolation::Linear,
         ] {
-            let options = PlanOptions {
-                interpolation: Some(kind),
-                // Few knots, so that each number that is spoilt matters.
-                bound: 0.02,
-                ..PlanOptions::default()
-            };
+            let options = PlanOptions::default().with(|it| {
+                it.interpolation = Some(kind);
+                it.bound = 0.02;
+            });
             let text = Planned::new(name, &options).text();
             paths.push(serde_json::from_str(&text).expect("JSON"));
         }
@@ -254,11 +252,10 @@ impl Paths {
             }
         };
         self.read += 1;
-        let options = CheckOptions {
-            samples: 4,
-            sweep,
-            ..crate::strict()
-        };
+        let options = crate::strict().with(|it| {
+            it.samples = 4;
+            it.sweep = sweep;
+        });
         let verdict = check(&file, &options);
         let holds = verdict.holds();
         if holds {

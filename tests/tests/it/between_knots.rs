@@ -31,11 +31,10 @@ fn failures(path: &Value) -> Verdict {
 
 /// Returns the planned path of a pattern, with rates.
 fn planned(name: &str) -> Value {
-    let options = PlanOptions {
-        interpolation: Some(Interpolation::Hermite),
-        bound: 1e-3,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| {
+        it.interpolation = Some(Interpolation::Hermite);
+        it.bound = 1e-3;
+    });
     serde_json::from_str(&Planned::new(name, &options).text()).unwrap()
 }
 
@@ -97,7 +96,7 @@ fn certificates_hold_what_is_sampled() {
                 continue;
             }
             let path = interpolated(thinned(path.clone(), 3), kind);
-            let options = CheckOptions { bound, ..strict() };
+            let options = strict().with(|it| it.bound = bound);
             let found = verdict(&path, &options).segments;
             let (motion, sheet) = (Motion::of(&path).unwrap(), Sheet::of(&path).unwrap());
             let stars = sheet.stars();
@@ -128,10 +127,7 @@ fn both_certificates_agree() {
     ] {
         for kind in ["linear", "hermite", "homogeneous"] {
             let path = path_file(&interpolated(planned(name), kind).to_string()).unwrap();
-            let options = CheckOptions {
-                bound: 10.0,
-                ..strict()
-            };
+            let options = strict().with(|it| it.bound = 10.0);
             let found = check(&path, &options).segments;
             let groups = CreaseGroups::trivial(&path.pattern);
             let stars = ReducedStars::all(&path.pattern, &groups);
@@ -351,13 +347,7 @@ fn deformation_is_certified_for_the_whole_motion() {
     for name in ["miura-11x11", "waterbomb-8x10", "yoshimura-12x12"] {
         let path = planned(name);
         let (motion, sheet) = (Motion::of(&path).unwrap(), Sheet::of(&path).unwrap());
-        let verdict = verdict(
-            &path,
-            &CheckOptions {
-                bound: 10.0,
-                ..strict()
-            },
-        );
+        let verdict = verdict(&path, &strict().with(|it| it.bound = 10.0));
         let certified = verdict.certified().unwrap().deformation;
         let strain = |segment: usize, s: f64| {
             let folded = sheet.positions(&sheet.fold(&motion.angles(segment, s)));
@@ -380,7 +370,7 @@ fn deformation_is_certified_for_the_whole_motion() {
 #[test]
 fn paths_that_only_seem_to_hold_are_not_certified() {
     let path = planned("miura-11x11");
-    let at = |bound| verdict(&path, &CheckOptions { bound, ..strict() });
+    let at = |bound| verdict(&path, &strict().with(|it| it.bound = bound));
     let seen = at(1.0);
     let measured = seen.rigidity().gap.max(seen.closure());
     let failures = at(1.5 * measured).findings();

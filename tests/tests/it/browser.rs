@@ -97,10 +97,7 @@ fn panels_are_where_the_path_has_them() {
         Interpolation::HalfAngle,
         Interpolation::Homogeneous,
     ] {
-        let options = PlanOptions {
-            interpolation: Some(interpolation),
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.interpolation = Some(interpolation));
         let planned = Planned::new("waterbomb-4x6", &options);
         let view = View::open(&scene(&planned), &[]);
         let Animation { frames, motion, .. } = Animation::parse(&planned.text()).unwrap();
@@ -387,10 +384,7 @@ fn ten_thousand_faces_are_one_small_page_that_folds() {
 
 #[test]
 fn faces_that_pass_through_each_other_are_named_and_shown() {
-    let options = PlanOptions {
-        collision: false,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.collision = false);
     let planned = Planned::new("waterbomb-12x22-crossing", &options);
     let path = path_file(&planned.text()).unwrap();
     let verdict = check(&path, &strict());
@@ -413,10 +407,7 @@ fn faces_that_pass_through_each_other_are_named_and_shown() {
 fn along_letters(drawing: Drawing, fraction: f64, bend: f64) -> Planned {
     let pattern = CreasePattern::new(drawing).unwrap();
     let goal = Goal::of_letters(&pattern, fraction).unwrap();
-    let options = PlanOptions {
-        bend,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bend = bend);
     let plan = plan(&pattern, &goal, &options);
     let title = "letters".to_owned();
     let file = PatternFile { title, pattern };

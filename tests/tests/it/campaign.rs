@@ -6,7 +6,7 @@
 use core::f64::consts::FRAC_PI_2;
 use core::time::Duration;
 
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::check;
 use foldpath::export::fold::motion_text;
 use foldpath::generate::{Letters, Quad, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Edge, EdgeId, Letter};
@@ -33,10 +33,8 @@ fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {
 fn a_campaign_finds_no_wrong_path() {
     let tallies = Family::ALL.iter().map(|&family| {
         // A plan may run out of time only if its goal may be out of reach.
-        let options = PlanOptions {
-            timeout: Some(Duration::from_secs(if family.real { 4 } else { 10 })),
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default()
+            .with(|it| it.timeout = Some(Duration::from_secs(if family.real { 4 } else { 10 })));
         let each = if family.large { LARGE } else { EACH };
         (family, run(family, 1, each, &options))
     });
@@ -158,10 +156,7 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let sheet = vertex.unwrap().sheet(637);
     let plan = planned(sheet.clone(), &PlanOptions::default()).plan;
     assert!(matches!(plan.outcome, Outcome::Crossing(_)), "{plan:?}");
-    let options = PlanOptions {
-        collision: false,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.collision = false);
     let blind = planned(sheet, &options);
     assert_eq!(blind.plan.outcome, Outcome::Planned);
     let certified = blind.plan.certified_deformation.unwrap();
@@ -229,7 +224,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
             "{seed}: {plan:?}"
         );
         let verdict = |bound| {
-            let options = CheckOptions { bound, ..strict() };
+            let options = strict().with(|it| it.bound = bound);
             check(&path_file(&planned.text()).unwrap(), &options)
         };
         assert_eq!(verdict(options.bound).findings(), [""; 0], "{seed}");
@@ -244,10 +239,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
 #[test]
 fn a_sheet_is_planned_that_is_torn_by_nearly_the_bound() {
     let wide = Family::ALL.iter().find(|family| family.name == "wide");
-    let options = PlanOptions {
-        bound: 4.6e-3,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bound = 4.6e-3);
     let plan = planned(wide.unwrap().sheet(20), &options).plan;
     assert_eq!(plan.outcome, Outcome::Planned, "{plan:?}");
     let certified = plan.certified_deformation.unwrap();
@@ -291,10 +283,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
         let drawing = meshes::simple_folds(&mut Random::new(seed));
         let drawing = meshes::rounded(drawing, unit);
         let goal: Vec<_> = drawing.edges.iter().map(|edge| edge.goal).collect();
-        let all_at_once = PlanOptions {
-            collision: false,
-            ..PlanOptions::default()
-        };
+        let all_at_once = PlanOptions::default().with(|it| it.collision = false);
         for options in [PlanOptions::default(), all_at_once] {
             let planned = planned(drawing.clone(), &options);
             let (plan, text) = (&planned.plan, planned.text());
@@ -305,7 +294,7 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let certified = plan.certified_deformation.unwrap();
             assert!(certified <= 1000.0 * unit, "{what}");
             let bound = options.bound;
-            let judged = CheckOptions { bound, ..strict() };
+            let judged = strict().with(|it| it.bound = bound);
             let verdict = check(&path_file(&text).unwrap(), &judged);
             let path = Animation::parse(&text).unwrap();
             let opinion = judge(&path, &goal, plan, bound, CONTACT);
@@ -398,10 +387,7 @@ fn the_oracle_agrees_with_panels_that_bend() {
             fold: 1.0,
         };
         let pattern = CreasePattern::new(twist.drawing().unwrap()).unwrap();
-        let options = PlanOptions {
-            bend: 1.5,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.bend = 1.5);
         let goal = Goal::of_letters(&pattern, 0.4).unwrap();
         let plan = plan(&pattern, &goal, &options);
         assert_eq!(plan.outcome, Outcome::Planned, "{angle}");
@@ -439,10 +425,7 @@ fn panels_bend_little_more_than_they_must() {
         fold: 1.0,
     };
     let pattern = CreasePattern::new(twist.drawing().unwrap()).unwrap();
-    let options = PlanOptions {
-        bend: 1.5,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bend = 1.5);
     let plan = plan(
         &pattern,
         &Goal::of_letters(&pattern, 0.5).unwrap(),

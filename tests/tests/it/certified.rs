@@ -82,11 +82,10 @@ fn most_torn(sheet: &Sheet, motion: &Motion) -> f64 {
 fn no_sample_is_worse_than_certified() {
     for bound in [1e-2, 1e-4, 1e-6] {
         for name in PATTERNS {
-            let options = PlanOptions {
-                bound,
-                collision: false,
-                ..PlanOptions::default()
-            };
+            let options = PlanOptions::default().with(|it| {
+                it.bound = bound;
+                it.collision = false;
+            });
             let planned = Planned::new(name, &options);
             let plan = &planned.plan;
             let what = format!("{name} within {bound:e}");
@@ -118,10 +117,7 @@ fn no_sample_is_worse_than_certified() {
 /// With every other knot left out, the samples are worse than the certificate of the path with all knots.
 #[test]
 fn samples_see_a_motion_with_too_few_knots() {
-    let options = PlanOptions {
-        bound: 1e-6,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bound = 1e-6);
     let planned = Planned::new("waterbomb-4x6", &options);
     let mut file: Value = serde_json::from_str(&planned.text()).unwrap();
     let mut index = 0;

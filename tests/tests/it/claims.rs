@@ -13,12 +13,11 @@ fn findings(path: &Value) -> Vec<String> {
 }
 
 fn planned(interpolation: Interpolation, acceleration: Option<f64>) -> Value {
-    let options = PlanOptions {
-        interpolation: Some(interpolation),
-        max_acceleration: acceleration,
-        bound: strict().bound,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| {
+        it.interpolation = Some(interpolation);
+        it.max_acceleration = acceleration;
+        it.bound = strict().bound;
+    });
     serde_json::from_str(&Planned::new("miura-5x5", &options).text()).unwrap()
 }
 

@@ -99,10 +99,7 @@ impl Planned {
     fn new(motion: Motion, interpolation: Option<Interpolation>) -> Self {
         let pattern = CreasePattern::new(motion.drawing.clone()).unwrap();
         let goal = Goal::of_pattern(&pattern).unwrap();
-        let options = PlanOptions {
-            interpolation,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.interpolation = interpolation);
         let plan = plan(&pattern, &goal, &options);
         assert_eq!(
             plan.outcome,

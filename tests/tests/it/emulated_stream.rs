@@ -9,7 +9,7 @@ use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
 use foldpath::read::fold::read_motion;
 use foldpath::stream::{
-    Faulty, Link, Options, Outcome, Stands, StreamPath, Summary, Telemetry, Wish,
+    Ending, Faulty, Link, Options, Outcome, Stands, StreamPath, Summary, Telemetry, Wish,
 };
 use foldpath_cli::link::Emulator;
 use foldpath_core::follower::State;
@@ -41,18 +41,16 @@ fn session(
     let path = StreamPath::read(bytes, Path::new("path.traj")).unwrap();
     // In its first session an emulated board does not know where its hinges are.
     let (id, resume) = host;
-    let options = Options {
-        resume,
-        stands: if id == 1 {
+    let options = Options::default().with(|it| {
+        it.resume = resume;
+        it.stands = if id == 1 {
             Stands::AtStart
         } else {
             Stands::Known
-        },
-        id,
-        // A machine that is busy may let its host fall silent for a while.
-        unattended: true,
-        ..Options::default()
-    };
+        };
+        it.id = id;
+        it.unattended = true;
+    });
     let (summary, heard) = session::session(link, &path, options, wish);
     let file = TrajectoryFile::read(bytes).unwrap();
     for told in heard.iter().filter(|told| !told.angles.is_empty()) {
@@ -127,13 +125,12 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     let mut board = Emulator::start(&image, Some(key)).unwrap();
     for (id, key, outcome) in [(5, None, Outcome::NoDevice), (6, Some(key), Outcome::Done)] {
         let path = StreamPath::read(&bytes, Path::new("path.traj")).unwrap();
-        let options = Options {
-            stands: Stands::AtStart,
-            id,
-            key,
-            unattended: true,
-            ..Options::default()
-        };
+        let options = Options::default().with(|it| {
+            it.stands = Stands::AtStart;
+            it.id = id;
+            it.key = key;
+            it.unattended = true;
+        });
         let (summary, _) = session::session(&mut board, &path, options, &|_| Wish::Run);
         assert_eq!(summary.outcome, outcome, "{summary:?}");
     }
@@ -149,10 +146,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
     };
     let (summary, heard) = session(&mut board, &bytes, (3, false), &quit);
     assert_eq!(summary.outcome, Outcome::Stopped);
-    assert_eq!(
-        summary.reason.as_deref(),
-        Some("stopped at once by the stop line")
-    );
+    assert_eq!(summary.reason, Some(Ending::Quit { reported: true }));
     let braking = heard
         .iter()
         .rev()

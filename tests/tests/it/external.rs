@@ -137,10 +137,7 @@ fn folded_shapes_unfold_and_fold_again() {
     assert!(twist.max_closure.unwrap() < 2e-6, "{twist:?}");
     let pattern = CreasePattern::new(twist.drawing.unwrap()).unwrap();
     let title = file.title;
-    let options = PlanOptions {
-        keep_vertices: true,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.keep_vertices = true);
     let planned = Planned::of(PatternFile { title, pattern }, &options);
     assert_eq!(planned.plan.outcome, Outcome::Planned);
     // The goal, folded by the oracle.

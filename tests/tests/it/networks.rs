@@ -323,10 +323,7 @@ fn network(random: &mut Random, folds: bool, all: bool) -> Option<(CreasePattern
 #[test]
 fn networks_fold_if_their_modes_agree() {
     let mut random = Random::new(1);
-    let options = PlanOptions {
-        bound: 1e-3,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bound = 1e-3);
     // With letters on all creases and on some: networks that fold, those of them that are planned, networks that do not.
     let mut counts = [[0; 3]; 2];
     while counts

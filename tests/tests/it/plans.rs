@@ -219,19 +219,15 @@ fn the_waterbomb_has_758_edges_with_its_virtual_ones() {
 fn the_waterbomb_tube_meets_itself_where_it_closes() {
     let name = "waterbomb-12x22-crossing";
     // Interpolation in half angles, proportional to one of them, gives this motion without error.
-    let exact = PlanOptions {
-        interpolation: Some(Interpolation::HalfAngle),
-        pace: Timing::Sparse,
-        ..PlanOptions::default()
-    };
+    let exact = PlanOptions::default().with(|it| {
+        it.interpolation = Some(Interpolation::HalfAngle);
+        it.pace = Timing::Sparse;
+    });
     let plan = Planned::new(name, &exact).plan;
     let Outcome::Crossing(crossing) = plan.outcome else {
         panic!("{:?}", plan.outcome);
     };
-    let through = PlanOptions {
-        collision: false,
-        ..exact
-    };
+    let through = exact.with(|it| it.collision = false);
     let text = Planned::new(name, &through).text();
     let path = Animation::parse(&text).unwrap();
     let sheet = &path.sheet;

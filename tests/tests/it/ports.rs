@@ -92,11 +92,10 @@ fn a_build_for_size_has_its_price() {
 fn the_example_of_the_port_is_what_the_commands_make() {
     let folder =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/boards/stm32f4/example");
-    let options = PlanOptions {
-        symmetry: Symmetry::Off,
-        max_acceleration: Some(180_f64.to_radians()),
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| {
+        it.symmetry = Symmetry::Off;
+        it.max_acceleration = Some(180_f64.to_radians());
+    });
     let planned = Planned::of(read_pattern(&folder.join("vertex.fold")).unwrap(), &options);
     let path = path_file(&motion_text(&planned.motion())).unwrap();
     let bytes = TrajFile::of(&path, Path::new("vertex.path.fold"))

@@ -28,10 +28,7 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
 /// Every crease is an unknown of its own. A Miura fold has only one motion, so that both plans must find it.
 #[test]
 fn planning_every_crease_finds_the_motion_of_the_groups() {
-    let every_crease = PlanOptions {
-        symmetry: Symmetry::Off,
-        ..PlanOptions::default()
-    };
+    let every_crease = PlanOptions::default().with(|it| it.symmetry = Symmetry::Off);
     for (name, creases) in [
         ("miura-3x3", 12),
         ("miura-5x5", 40),

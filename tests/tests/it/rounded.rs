@@ -1,7 +1,7 @@
 //! Patterns as other programs write them: rotated, with rounded coordinates. No configuration of such a sheet but the
 //! flat one closes exactly.
 
-use foldpath::check::{CheckOptions, check};
+use foldpath::check::check;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
 use foldpath::planner::{CHOSEN_REACH, Outcome, Plan, PlanOptions};
 use foldpath::read::fold::{PatternFile, read_pattern};
@@ -98,11 +98,10 @@ fn planned(name: &str, unit: f64, options: &PlanOptions) -> (Plan, Sheet, Motion
 #[test]
 fn the_certified_closure_holds_of_every_vertex() {
     for name in ["miura-11x11", "waterbomb-8x10"] {
-        let options = PlanOptions {
-            bound: 1e-2,
-            keep_vertices: false,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| {
+            it.bound = 1e-2;
+            it.keep_vertices = false;
+        });
         let (plan, sheet, motion) = planned(name, 1e-4, &options);
         let stars = sheet.stars();
         let certified = plan.certified_closure.unwrap();
@@ -135,16 +134,13 @@ fn paths_of_measured_sheets_hold() {
         for off in [1e-5, 3e-5, 1e-4, 3e-4, 1e-3] {
             let mut random = Random::new(1);
             let file = redrawn(name, |p| p.map(|c| c + random.uniform(-off, off)));
-            let options = PlanOptions {
-                bound,
-                ..PlanOptions::default()
-            };
+            let options = PlanOptions::default().with(|it| it.bound = bound);
             let found = Planned::of(file.unwrap(), &options);
             if found.plan.outcome != Outcome::Planned {
                 continue;
             }
             planned += 1;
-            let options = CheckOptions { bound, ..strict() };
+            let options = strict().with(|it| it.bound = bound);
             let failures = check(&path_file(&found.text()).unwrap(), &options).findings();
             assert_eq!(failures, [""; 0], "{name} {off} {bound}");
         }

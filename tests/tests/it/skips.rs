@@ -35,10 +35,7 @@ fn compare(file: &Path, switches: &[Skips]) {
     let pattern = read_pattern(file).unwrap().pattern;
     let goal = Goal::of_pattern(&pattern).unwrap();
     let with = |skips| {
-        let options = PlanOptions {
-            skips,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.skips = skips);
         plan(&pattern, &goal, &options)
     };
     let all = with(ALL);

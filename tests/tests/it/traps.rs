@@ -151,10 +151,7 @@ fn an_exact_goal_is_not_moved_to_a_symmetric_one() {
     let angle = |k: u32| if k.is_multiple_of(2) { 30.0 } else { -20.0 };
     edges.extend((0..degree).map(|k| ([k as usize, degree as usize], Some(angle(k)))));
     // Closes the goal without symmetry first. Its own angles then close and are nearly symmetric.
-    let free = PlanOptions {
-        symmetry: Symmetry::Off,
-        ..PlanOptions::default()
-    };
+    let free = PlanOptions::default().with(|it| it.symmetry = Symmetry::Off);
     let mut start: Vec<f64> = (0..degree).map(angle).collect();
     start[0] += 0.3;
     for (edge, &angle) in edges[degree as usize..].iter_mut().zip(&start) {

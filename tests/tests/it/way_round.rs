@@ -15,10 +15,7 @@ fn the_resch_pattern_of_six_stars_each_way_is_planned() {
     };
     let pattern = CreasePattern::new(resch.drawing().unwrap()).unwrap();
     let goal = Goal::of_pattern(&pattern).unwrap();
-    let straight = PlanOptions {
-        search: Search::Path,
-        ..PlanOptions::default()
-    };
+    let straight = PlanOptions::default().with(|it| it.search = Search::Path);
     let straight = plan(&pattern, &goal, &straight);
     assert!(matches!(straight.outcome, Outcome::Crossing(_)));
     let options = PlanOptions::default();

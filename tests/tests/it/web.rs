@@ -212,10 +212,7 @@ fn a_pattern_sent_by_another_window_is_answered() {
 #[ignore = "needs the page that web/build builds"]
 fn a_dropped_path_is_judged_with_the_options_of_the_form() {
     let Some(view) = page() else { return };
-    let options = PlanOptions {
-        bend: 12_f64.to_radians(),
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| it.bend = 12_f64.to_radians());
     let bent = Planned::new("kresling-2x6", &options);
     assert!(bent.plan.max_bend > 0.0);
     drop_file(&view, "bent.fold", &bent.text());

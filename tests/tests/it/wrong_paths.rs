@@ -16,11 +16,10 @@ const SHEETS: [&str; 2] = ["miura-5x5", "waterbomb-4x6"];
 
 /// Returns the planned path of a pattern.
 fn good(name: &str) -> Value {
-    let options = PlanOptions {
-        interpolation: Some(Interpolation::Hermite),
-        bound: strict().bound,
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions::default().with(|it| {
+        it.interpolation = Some(Interpolation::Hermite);
+        it.bound = strict().bound;
+    });
     let planned = Planned::new(name, &options);
     serde_json::from_str(&planned.text()).unwrap()
 }
@@ -386,10 +385,7 @@ fn paths_moved_in_space_hold() {
 
 #[test]
 fn crossing_faces_are_rejected() {
-    let blind = PlanOptions {
-        collision: false,
-        ..PlanOptions::default()
-    };
+    let blind = PlanOptions::default().with(|it| it.collision = false);
     let text = Planned::new("waterbomb-12x22-crossing", &blind).text();
     let verdict = check(&path_file(&text).unwrap(), &strict());
     let mut failures = verdict.findings().into_iter();
@@ -465,10 +461,7 @@ fn layers_in_contact_hold() {
         };
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
         let title = format!("Miura of {sector_angle} degrees");
-        let options = PlanOptions {
-            bound: strict().bound,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| it.bound = strict().bound);
         let planned = Planned::of(PatternFile { title, pattern }, &options);
         assert_eq!(
             planned.plan.outcome,

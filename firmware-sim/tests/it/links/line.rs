@@ -54,7 +54,7 @@ fn nobody_answers_without_the_key() {
     fn stays<P: Protection>(path: &Path, host: Host<'_>, device: Device<P>) {
         let mut world = World::of(path, LINE, 0, host, device);
         world.run(6_000_000);
-        assert_eq!(world.failure(0), Some(Failure::Silent));
+        assert_eq!(world.failure(0), Some(Failure::NoAnswer));
         assert_eq!(world.state(), State::Idle);
         assert_eq!(world.down.counts().pieces, 0);
     }
@@ -452,7 +452,7 @@ fn a_session_that_does_not_begin_is_given_up() {
             world.run(pause);
         }
         let phase = world.hosts[0].sender().phase();
-        let over = matches!(phase, Phase::Open | Phase::Failed(Failure::Silent));
+        let over = matches!(phase, Phase::Open | Phase::Failed(Failure::NoAnswer));
         assert!(over, "{pause}: {phase:?}");
     }
 }

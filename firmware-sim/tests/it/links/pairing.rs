@@ -85,10 +85,10 @@ fn a_controller_without_a_key_takes_one_and_keeps_it() {
         assert!(!pair(&mut machine, 10, OTHER.bytes()));
         let mut wrong = host(&path, 11, Some(OTHER));
         machine.run(Some(&mut wrong), 6000);
-        assert_eq!(wrong.sender().phase(), Phase::Failed(Failure::Silent));
+        assert_eq!(wrong.sender().phase(), Phase::Failed(Failure::NoAnswer));
         let mut none = host(&path, 12, None);
         machine.run(Some(&mut none), 6000);
-        assert_eq!(none.sender().phase(), Phase::Failed(Failure::Silent));
+        assert_eq!(none.sender().phase(), Phase::Failed(Failure::NoAnswer));
         assert_eq!(machine.bench(|bench| bench.key()), StoredKey::Key(KEY));
         if flat {
             assert!(follows(&mut machine, host(&path, 13, Some(KEY))));

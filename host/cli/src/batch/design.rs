@@ -8,9 +8,9 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::CliError;
-use crate::args::Shard;
 use crate::plan::Job;
 use crate::standard::{Input, is_standard};
+use crate::values::Shard;
 use foldpath::request::{Family, PlanRequest, Request};
 
 /// Longest line that is read, bytes.

@@ -19,9 +19,10 @@ use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::args::{Batch, Shard};
+use crate::args::Batch;
 use crate::progress::PATIENCE;
 use crate::standard::{is_standard, print_summary, shown};
+use crate::values::Shard;
 use crate::{Answer, CliError, check_output};
 use design::Designs;
 use foldpath::read::FileError;

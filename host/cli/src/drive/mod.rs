@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 
+use foldpath_core::follower::{Denial, State};
 use serde::Serialize;
 
 use crate::args::Drive;
@@ -97,12 +98,7 @@ pub(crate) fn run(args: &Drive, quiet: bool) -> Answer {
     let Host { id, nonce, key } = Host::new(key).map_err(CliError::Output)?;
     let (name, mut link) = reach::open(&args.to, &args.line, key)?;
     let bench = match &mut link {
-        Ok(link) => {
-            Bench::open(&mut **link as &mut dyn Link, key, id, nonce).map_err(|error| match error {
-                BenchError::Line(error) => format!("the line: {error}"),
-                BenchError::NoDevice(reason) | BenchError::Denied(reason) => reason,
-            })
-        }
+        Ok(link) => Bench::open(&mut **link as &mut dyn Link, key, id, nonce).map_err(no_session),
         Err(error) => Err(format!("{name}: {error}")),
     };
     match bench {
@@ -235,11 +231,12 @@ impl<'a> Desk<'a> {
         let line = match self.carry_out(command) {
             Ok(line) => line,
             Err(Refusal::Usage(error)) => return Err(error),
-            Err(Refusal::Bench(BenchError::Denied(reason))) => Line::denied(reason),
-            Err(Refusal::Bench(BenchError::NoDevice(reason))) => Line::new("no_device", reason),
-            Err(Refusal::Bench(BenchError::Line(error))) => {
-                Line::new("no_device", format!("the line: {error}"))
-            }
+            Err(Refusal::Bench(BenchError::Denied {
+                denial,
+                state,
+                hinges,
+            })) => Line::denied(denied(command, denial, state, hinges)),
+            Err(Refusal::Bench(error)) => Line::new("no_device", no_session(error)),
         };
         let line = Line {
             command: text,
@@ -308,6 +305,41 @@ impl<'a> Desk<'a> {
     }
 }
 
+/// Explains why there is no session any more, and which options help.
+fn no_session(error: BenchError) -> String {
+    match error {
+        BenchError::NoSession(failure) => reach::no_session(failure),
+        error => error.to_string(),
+    }
+}
+
+/// Explains why a controller in a state and with room for so many hinges does not carry a command out, and what to do.
+fn denied(command: Command, denial: Denial, state: Option<State>, hinges: u16) -> String {
+    match denial {
+        Denial::Held => "the stop line holds the hinges; let it go, and then `clear`".into(),
+        denial if command == Command::Clear => denial.to_string(),
+        Denial::State if state == Some(State::Idle) => {
+            "the controller knows where its sheet stands and holds its hinges there, and one that moves alone would \
+             tear the sheet; take the sheet off, and let `clear` forget where it stands"
+                .into()
+        }
+        Denial::State => {
+            let state = state.map_or_else(String::new, |state| format!(" ({state:?})"));
+            format!("the controller has a path or a fault{state}; `clear` drops it")
+        }
+        Denial::Range => format!(
+            "expected a hinge below {hinges}, and an angle within the limits that the board has for it"
+        ),
+        Denial::Unknown(hinge) => {
+            format!("nothing tells where hinge {hinge} stands; look, and add `from DEGREES`")
+        }
+        Denial::Jump(hinge) => format!(
+            "hinge {hinge} stands elsewhere than was said, or beyond the limits that the board has for it"
+        ),
+        denial => denial.to_string(),
+    }
+}
+
 /// Reason why a command has no answer of its own.
 enum Refusal {
     Bench(BenchError),
@@ -337,4 +369,20 @@ fn lines() -> Receiver<String> {
         }
     });
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_denial_says_what_to_do() {
+        let watch = Command::Watch(3);
+        let told = |command, denial| denied(command, denial, Some(State::Done), 64);
+        assert!(told(watch, Denial::State).contains("a path or a fault (Done); `clear` drops it"));
+        assert!(told(watch, Denial::Held).contains("the stop line holds the hinges"));
+        assert!(told(watch, Denial::Range).contains("expected a hinge below 64"));
+        let cleared = told(Command::Clear, Denial::State);
+        assert_eq!(cleared, Denial::State.to_string());
+    }
 }

@@ -246,10 +246,7 @@ fn a_hole_that_opens_between_knots_is_named() {
     let sampled = (0..=1000)
         .map(|k| closure(f64::from(k) / 1000.0))
         .fold(0.0, f64::max);
-    let options = CheckOptions {
-        bound: 10.0,
-        ..CheckOptions::default()
-    };
+    let options = CheckOptions::default().with(|it| it.bound = 10.0);
     let found = check(&path, &options).segments[0];
     assert!(
         sampled > 1e-3 && sampled <= found.bound,

@@ -10,9 +10,9 @@ use std::time::Instant;
 use crate::common::folder;
 use crate::stream::served;
 use crate::ways::small;
-use foldpath::stream::{Bench, BenchError, Jogged, Link, Sim, Stands, Way};
+use foldpath::stream::{Bench, BenchError, Jogged, Link, Options, Sim, Stands, Way};
 use foldpath_controller::HingeMap;
-use foldpath_core::follower::State;
+use foldpath_core::follower::{Denial, State};
 use serde_json::{Value, json};
 
 fn lines(text: &str) -> Vec<Value> {
@@ -144,9 +144,9 @@ fn lines_on_stdin_are_commands_and_only_save_writes() {
     assert_eq!(answer.json()["outcome"], "no_device", "{answer:?}");
 }
 
-fn denied<T: Debug>(result: Result<T, BenchError>) -> String {
+fn denied<T: Debug>(result: Result<T, BenchError>) -> (Denial, Option<State>) {
     match result {
-        Err(BenchError::Denied(reason)) => reason,
+        Err(BenchError::Denied { denial, state, .. }) => (denial, state),
         other => panic!("{other:?}"),
     }
 }
@@ -195,11 +195,10 @@ fn a_jog_is_slow_and_is_held() {
 fn a_hinge_of_a_sheet_that_is_known_moves_only_once_that_is_forgotten() {
     let path = crate::ways::read(&small(), "path.traj");
     let mut sim = Sim::bench();
-    let options = foldpath::stream::Options {
-        id: 1,
-        stands: Stands::AtStart,
-        ..Default::default()
-    };
+    let options = Options::default().with(|it| {
+        it.id = 1;
+        it.stands = Stands::AtStart;
+    });
     let (summary, _) =
         crate::session::session(&mut sim, &path, options, &|_| foldpath::stream::Wish::Run);
     assert_eq!(
@@ -214,10 +213,7 @@ fn a_hinge_of_a_sheet_that_is_known_moves_only_once_that_is_forgotten() {
     );
     let mut bench = Bench::open(&mut sim, None, 9, 0).unwrap();
     let reason = denied(bench.watch(3));
-    assert!(
-        reason.contains("a path or a fault (Done); `clear` drops it"),
-        "{reason}"
-    );
+    assert_eq!(reason, (Denial::State, Some(State::Done)));
     bench.clear().unwrap();
     let there = turn(&mut bench, 3, 5.0);
     assert!(matches!(there, Jogged::There(_)), "{there:?}");
@@ -231,12 +227,8 @@ fn the_stop_line_ends_a_jog_until_it_is_let_go() {
     sim.stop().unwrap();
     let mut bench = Bench::open(&mut sim, None, 9, 0).unwrap();
     let reason = denied(bench.jog(3, None, Way::By(0.1), &|| false));
-    assert!(
-        reason.contains("the stop line holds the hinges"),
-        "{reason}"
-    );
-    let reason = denied(bench.clear());
-    assert!(reason.contains("the stop line is drawn"), "{reason}");
+    assert_eq!(reason.0, Denial::Held);
+    assert_eq!(denied(bench.clear()).0, Denial::Held);
 }
 
 /// A controller behind TCP that measures nothing, in real time: what is not known is not moved, and Ctrl-C holds.

@@ -5,11 +5,16 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use crate::common::{folder, folder_with_path, pattern};
+use foldpath::export::Format;
+use foldpath::generate::Kresling;
 use foldpath::pattern::PatternError;
 use foldpath::planner::timing::TimingError;
-use foldpath::planner::{GoalError, OptionsError};
+use foldpath::planner::{GoalError, PlanOptions};
 use foldpath::read::FileError;
+use foldpath::request::{ExportRequest, PlanRequest, Request};
+use foldpath::stream::BenchError;
 use foldpath::unfold::ShapeError;
+use foldpath_core::follower::Denial;
 use foldpath_core::trajectory::TrajectoryError;
 use foldpath_core::trajectory_file;
 use foldpath_test_support::{Folder, edited};
@@ -401,16 +406,35 @@ fn paths() {
 fn errors_of_the_libraries() {
     use trajectory_file::FileError as Traj;
     let pattern = PatternError::NotFinite { vertex: 3 };
-    let options = OptionsError {
-        option: "bound",
-        expected: "a number above 0".into(),
-        found: -1.0,
-    };
+    let options = PlanOptions::default().with(|it| it.bound = -1.0);
+    let options = options.validate().unwrap_err();
     let io = FileError::Io {
         path: PathBuf::from("a.fold"),
         source: std::io::ErrorKind::StorageFull.into(),
     };
     let mut said = format!("{pattern}\n{options}\n{io}\n{}\n", GoalError::Fraction(2.0));
+    let parameter = Kresling {
+        rows: 1,
+        columns: 5,
+    }
+    .drawing()
+    .unwrap_err();
+    let unknown = PlanRequest::default().set("boud", &1.into()).unwrap_err();
+    let line = BenchError::Line(std::io::ErrorKind::BrokenPipe.into());
+    let denied = BenchError::Denied {
+        denial: Denial::Moving,
+        state: None,
+        hinges: 0,
+    };
+    let mut request = PlanRequest::default();
+    request.fold = Some(0.5);
+    request.goal = Some("a.fold".into());
+    let excluded = request.options().unwrap_err();
+    let mut request = ExportRequest::default();
+    request.frames = Some(9);
+    let format = request.check_for(Format::named("csv").unwrap());
+    let format = format.unwrap_err();
+    said += &format!("{parameter}\n{unknown}\n{excluded}\n{format}\n{line}\n{denied}\n");
     let crowded = PatternError::Crowded { edge: 3 };
     let corners = PatternError::Corners {
         face: 2,
@@ -550,7 +574,7 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
 }
 
 /// Errors whose format has no words of its own, each with a part of its text in some snapshot.
-const WORDLESS: [(&str, &str); 12] = [
+const WORDLESS: [(&str, &str); 14] = [
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),
@@ -562,13 +586,15 @@ const WORDLESS: [(&str, &str); 12] = [
     ("Shape", "a.obj: the shape: expected at least one face"),
     ("Goal", "bad.fold: edges_assignment: no crease is lettered"),
     ("Usage", "-o: miura.fold is an input file"),
-    ("Hinge", "expected a hinge between two faces"),
     (
-        "Options",
+        "Option",
         "foldpath: --limit: expected MIN..MAX within -180..180 degrees",
     ),
-    ("OptionsError", "bound: expected a number above 0, found -1"),
-    ("ParameterError", "--rows: expected 1 to 3000, found 0"),
+    ("Request", "expected a hinge between two faces"),
+    ("OptionsError", "bound: expected a fraction above 0"),
+    ("ParameterError", "cols: expected an even number of sides"),
+    ("Line", "the line: broken pipe"),
+    ("Denied", "the sheet still moves"),
 ];
 
 /// Errors of the command's own modules that no command line causes. Unit tests have their whole texts.

@@ -366,36 +366,45 @@ fn limits_that_leave_no_room_are_said() {
     let folder = folder_with_path();
     let free = folder.read("miura.fold").replace("\"V\"", "\"U\"");
     folder.write("free.fold", &free);
-    let flat = "degrees leave it none: it stays flat";
+    let flat = "degrees leaves none: it stays flat";
     for (arguments, status, note) in [
         (
             "miura.fold --limit 4=0..10",
             1,
-            format!("edge 4, lettered M, turns to angles below 0, of which 0..10 {flat}"),
+            format!(
+                "edge 4, lettered M, turns to angles below 0, of which its limit of 0..10 {flat}"
+            ),
         ),
         (
             "miura.fold --limit 2=-170..0",
             1,
-            format!("edge 2, lettered V, turns to angles above 0, of which -170..0 {flat}"),
+            format!(
+                "edge 2, lettered V, turns to angles above 0, of which its limit of -170..0 {flat}"
+            ),
         ),
         (
             "free.fold --fold 0.5 --limit 4=0..0",
             1,
-            format!("edge 4, lettered M, turns to angles below 0, of which 0..0 {flat}"),
+            format!(
+                "edge 4, lettered M, turns to angles below 0, of which its limit of 0..0 {flat}"
+            ),
         ),
         (
             "free.fold --limit 2=-10..0",
             1,
             format!(
-                "edge 2, whose goal is 162.000000 degrees, turns to angles above 0, of which -10..0 {flat}"
+                "edge 2, whose goal is 162.000000 degrees, turns to angles above 0, of which its limit of -10..0 {flat}"
             ),
         ),
         ("miura.fold --fold 0 --limit 4=0..10", 0, String::new()),
         ("miura.fold --limit 4=-170..10", 0, String::new()),
     ] {
         let answer = folder.run(&format!("plan {arguments}")).with_status(status);
-        let told = answer.stderr.lines().find(|line| line.contains("--limit"));
-        let expected = (!note.is_empty()).then(|| format!("note: --limit: {note}"));
+        let told = answer
+            .stderr
+            .lines()
+            .find(|line| line.contains("its limit of"));
+        let expected = (!note.is_empty()).then(|| format!("note: {note}"));
         assert_eq!(told, expected.as_deref(), "{arguments}: {answer:?}");
     }
 }

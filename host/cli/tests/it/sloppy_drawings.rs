@@ -20,12 +20,10 @@ fn read(name: &str, text: &str, options: &ReadOptions) -> CreasePattern {
 }
 
 fn within(tolerance: f64) -> ReadOptions {
-    ReadOptions {
-        tolerance: Some(tolerance),
-        // Lines that are nearly parallel by chance would be turned.
-        straighten: Straighten::Off,
-        ..ReadOptions::default()
-    }
+    ReadOptions::default().with(|it| {
+        it.tolerance = Some(tolerance);
+        it.straighten = Straighten::Off;
+    })
 }
 
 /// Returns the numbers of vertices, edges and faces.
@@ -301,13 +299,12 @@ fn colours_have_the_letters_that_are_asked_for() {
         };
         let seed = rng.below(1000) as u64;
         let edges = |text: &str, colours: &str| {
-            let options = ReadOptions {
-                colours: match colours {
+            let options = ReadOptions::default().with(|it| {
+                it.colours = match colours {
                     "" => ColourLetters::default(),
                     text => text.parse().unwrap(),
-                },
-                ..ReadOptions::default()
-            };
+                }
+            });
             let pattern = read("a.svg", text, &options);
             let edges = pattern.edges().iter();
             let found: Vec<_> = edges.map(|it| (it.ends, it.letter, it.goal)).collect();
@@ -343,10 +340,8 @@ fn real_drawings_have_the_letters_that_are_asked_for() {
             .replace("#0000ff", "#ff0000")
             .replace("#other!", "#0000ff");
         assert_ne!(text, exchanged, "{name}");
-        let options = ReadOptions {
-            colours: "red=V,#0000ff=M".parse().unwrap(),
-            ..ReadOptions::default()
-        };
+        let options =
+            ReadOptions::default().with(|it| it.colours = "red=V,#0000ff=M".parse().unwrap());
         let edges = |text: &str, options: &ReadOptions| -> Vec<_> {
             let pattern = read("a.svg", text, options);
             let edges = pattern.edges().iter();

@@ -96,10 +96,7 @@ fn miura() -> StreamPath {
 }
 
 fn options(seed: u64) -> Options {
-    Options {
-        id: 7 + u32::try_from(seed).unwrap(),
-        ..Options::default()
-    }
+    Options::default().with(|it| it.id = 7 + u32::try_from(seed).unwrap())
 }
 
 /// The session sends a sheet of 1104 hinges and its setpoints, and waits for the end. The motion is that of the controller,

@@ -35,10 +35,7 @@ fn cp(drawing: &Drawing, by: f64, rng: &mut Random) -> String {
 }
 
 fn read(text: &str, straighten: Straighten) -> CreasePattern {
-    let options = ReadOptions {
-        straighten,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions::default().with(|it| it.straighten = straighten);
     let file = parse_pattern_with("drawing.cp".as_ref(), text.as_bytes(), &options);
     file.unwrap_or_else(|error| panic!("{error}")).pattern
 }

@@ -12,10 +12,12 @@ use std::time::Instant;
 
 use crate::common::folder;
 use crate::session;
-use foldpath::stream::{Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish};
+use foldpath::stream::{
+    Ending, Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish,
+};
 use foldpath_controller::{Controller, Settings};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, State};
+use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::{Trajectory, TrajectoryView};
 use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
@@ -66,11 +68,10 @@ fn session(
     (id, resume): (u32, bool),
     wish: &dyn Fn(&[Telemetry]) -> Wish,
 ) -> (Summary, Vec<Telemetry>) {
-    let options = Options {
-        resume,
-        id,
-        ..Options::default()
-    };
+    let options = Options::default().with(|it| {
+        it.resume = resume;
+        it.id = id;
+    });
     session::session(link, path, options, wish)
 }
 
@@ -581,12 +582,7 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // Without `--resume` the hold stays.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
-    assert!(
-        summary
-            .reason
-            .unwrap()
-            .starts_with("a host has asked to hold; --resume goes on")
-    );
+    assert_eq!(summary.reason, Some(Ending::Held(Reason::Asked)));
 
     let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
@@ -618,10 +614,7 @@ fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
     };
     let (summary, heard) = session(&mut sim, &path, (1, false), &quit);
     assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
-    assert_eq!(
-        summary.reason.as_deref(),
-        Some("stopped at once by the stop line")
-    );
+    assert_eq!(summary.reason, Some(Ending::Quit { reported: true }));
     let rate = heard.last().unwrap().rate;
     assert!(rate > 0.99 || rate <= 0.0, "{rate}");
     for resume in [false, true] {
@@ -629,7 +622,7 @@ fn leaving_draws_the_stop_line_that_holds_until_it_is_let_go() {
             Wish::Run
         });
         assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
-        assert!(summary.reason.unwrap().starts_with("the stop line"));
+        assert_eq!(summary.reason, Some(Ending::Held(Reason::StopLine)));
     }
 }
 

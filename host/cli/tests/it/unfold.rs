@@ -550,10 +550,7 @@ fn a_vertex_that_no_sheet_has_is_refused_with_its_defect() {
     // An option sets the largest defect that counts as none. This pyramid is almost flat.
     let low = pyramid(5, 1e-3);
     for (max_defect, outcome) in [(1e-6, Outcome::NotDevelopable), (1e-4, Outcome::Unfolded)] {
-        let options = UnfoldOptions {
-            max_defect,
-            ..UnfoldOptions::default()
-        };
+        let options = UnfoldOptions::default().with(|it| it.max_defect = max_defect);
         assert_eq!(unfold(&low, &options).unwrap().outcome, outcome);
     }
 }

@@ -1,11 +1,14 @@
 //! Input and outcome of a sweep: options, verdict, clearance and counts.
 
+use serde::Serialize;
+
 use crate::collision::scene::Crossing;
 use crate::collision::tolerances::CROSSING_DEPTH_EDGES;
 use crate::pattern::FaceId;
 
 /// Options of a [`Sweep`](super::Sweep).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SweepOptions {
     /// Depth up to which an overlap is contact, in median edges: the
     /// [`contact_tolerance`](crate::collision::contact_tolerance). In front of a small face, at most a thousandth of the
@@ -51,6 +54,8 @@ impl Default for SweepOptions {
     }
 }
 
+crate::util::changed_one_by_one!(SweepOptions);
+
 /// A place on a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
@@ -85,6 +90,7 @@ pub struct Clearance {
 
 /// Outcome of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SweepVerdict {
     /// No two faces pass through each other by more than twice the tolerance. The clearance is the smallest
     /// distance found at any time that was queried; at the end of the motion no distance is smaller. `None` if
@@ -110,7 +116,7 @@ pub enum SweepVerdict {
 }
 
 /// Numbers of pairs that a sweep tested, and that it could skip; `pairs` is the sum of all others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SweepCounts {
     /// Pairs of pieces of the same sheet, times the configurations at which any pair was queried.
     pub pairs: u64,

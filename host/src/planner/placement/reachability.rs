@@ -47,6 +47,7 @@ pub struct Rests<'a> {
 
 /// Reason why there is no motion along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TimingError {
     /// The lengths of the slices do not agree.
     #[error(

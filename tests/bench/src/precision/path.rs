@@ -128,19 +128,18 @@ fn options(route: Route, symmetric: bool, bound: f64, limit: Duration) -> PlanOp
         Route::MotionByGradient => (Search::Path, Solver::Gradient),
         Route::Random => (Search::Random, Solver::LevenbergMarquardt),
     };
-    PlanOptions {
-        bound,
-        search,
-        solver,
-        symmetry: if symmetric {
+    PlanOptions::default().with(|it| {
+        it.bound = bound;
+        it.search = search;
+        it.solver = solver;
+        it.symmetry = if symmetric {
             Symmetry::Auto
         } else {
             Symmetry::Off
-        },
-        collision: false,
-        timeout: Some(limit),
-        ..PlanOptions::default()
-    }
+        };
+        it.collision = false;
+        it.timeout = Some(limit);
+    })
 }
 
 /// Returns the median time in seconds, the last plan and the number of plans.

@@ -115,10 +115,7 @@ impl Traced {
     /// Returns foldpath's motion.
     fn foldpath(case: &Case) -> Option<Self> {
         let sheet = case.sheet();
-        let options = PlanOptions {
-            bound: case.bound,
-            ..case.freedom.options()
-        };
+        let options = case.freedom.options().with(|it| it.bound = case.bound);
         let plan = plan(&sheet.pattern, &sheet.goal, &options);
         let motion = plan.motion?;
         let configurations = places(&motion, PLACES).into_iter();
@@ -456,10 +453,7 @@ fn figure_8(extent: Extent, out: &mut impl Write, folder: &Path) -> io::Result<(
     }
     write(folder, 8, &data, &panels, 3)?;
     let sheet = large.sheet();
-    let options = PlanOptions {
-        bound: large.bound,
-        ..large.freedom.options()
-    };
+    let options = large.freedom.options().with(|it| it.bound = large.bound);
     let answer = plan(&sheet.pattern, &sheet.goal, &options);
     let text = format!(
         "the 3x3 Quad deforms by {} on the path that the report's method finds within 0.1 %; the 24x24 Quad that \

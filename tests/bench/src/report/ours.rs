@@ -26,10 +26,7 @@ const LONG: f64 = 2.0;
 
 /// Plans within the bound, several times.
 pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
-    let options = PlanOptions {
-        bound,
-        ..sheet.freedom.options()
-    };
+    let options = sheet.freedom.options().with(|it| it.bound = bound);
     let timed = || {
         let start = Instant::now();
         let found = plan(&sheet.pattern, &sheet.goal, &options);

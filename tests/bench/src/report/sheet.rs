@@ -31,19 +31,17 @@ impl Freedom {
     /// Returns the options that give foldpath the same unknowns and conditions.
     #[must_use]
     pub fn options(self) -> PlanOptions {
-        PlanOptions {
-            symmetry: match self {
+        PlanOptions::default().with(|it| {
+            it.symmetry = match self {
                 Self::Full => Symmetry::Off,
                 Self::Groups | Self::Essential => Symmetry::Auto,
-            },
-            vertices: match self {
+            };
+            it.vertices = match self {
                 Self::Full | Self::Groups => Vertices::All,
                 Self::Essential => Vertices::Essential,
-            },
-            // The report's planner answers with angles.
-            keep_vertices: false,
-            ..PlanOptions::default()
-        }
+            };
+            it.keep_vertices = false;
+        })
     }
 }
 

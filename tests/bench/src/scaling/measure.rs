@@ -75,20 +75,15 @@ impl Work {
 
     fn options(self) -> PlanOptions {
         let symmetric = matches!(self, Self::Symmetric(_));
-        let defaults = PlanOptions {
-            keep_vertices: false,
-            ..PlanOptions::default()
-        };
+        let defaults = PlanOptions::default().with(|it| it.keep_vertices = false);
         if symmetric {
             return defaults;
         }
-        PlanOptions {
-            symmetry: Symmetry::Off,
-            collision: false,
-            // Thirty configurations of the Miura sheets, at most 6.3 degrees apart.
-            max_step: 6.3_f64.to_radians(),
-            ..defaults
-        }
+        defaults.with(|it| {
+            it.symmetry = Symmetry::Off;
+            it.collision = false;
+            it.max_step = 6.3_f64.to_radians();
+        })
     }
 }
 

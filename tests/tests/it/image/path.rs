@@ -35,13 +35,12 @@ pub(crate) struct Fold {
 impl Fold {
     /// Plans and exports a Miura fold of 24 x 24 faces with 1,104 hinges. The fold takes 2.6 seconds.
     pub(crate) fn miura() -> Self {
-        let options = PlanOptions {
-            interpolation: Some(Interpolation::Hermite),
-            max_speed: 1.5,
-            max_acceleration: Some(6.0),
-            collision: false,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().with(|it| {
+            it.interpolation = Some(Interpolation::Hermite);
+            it.max_speed = 1.5;
+            it.max_acceleration = Some(6.0);
+            it.collision = false;
+        });
         let file = read_pattern(&pattern_file("miura-24x24")).unwrap();
         let groups = CreaseGroups::find(&file.pattern);
         let stars = ReducedStars::all(&file.pattern, &groups).essential();
