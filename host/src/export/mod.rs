@@ -27,7 +27,7 @@ pub struct Format {
     pub name: &'static str,
     /// Description in one sentence.
     pub text: &'static str,
-    /// Where its content goes.
+    /// Kind of place for its content.
     pub place: Place,
     /// Names of the options that it takes.
     pub options: &'static [&'static str],
@@ -36,7 +36,7 @@ pub struct Format {
     make: fn(&Export<'_>, &mut Sink<'_>) -> Result<Made, FileError>,
 }
 
-/// Where the content of a format goes.
+/// Place of the content of a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// One file.
@@ -47,7 +47,7 @@ pub enum Place {
     Sequence,
 }
 
-/// What a format is made of.
+/// Things of which a format is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// A path.
@@ -74,7 +74,7 @@ pub struct ExportOptions {
 
 crate::util::changed_one_by_one!(ExportOptions);
 
-/// What is exported.
+/// Thing that is exported.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     /// A path.

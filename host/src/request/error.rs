@@ -14,9 +14,9 @@ pub enum RequestError {
     Option {
         /// Name of the option, with `_` between its words.
         option: String,
-        /// What was expected, and what was found.
+        /// The problem: the value expected and the value found.
         problem: String,
-        /// What may be meant.
+        /// A value that may be meant.
         hint: Option<String>,
     },
     /// An option is given beside another that excludes it.

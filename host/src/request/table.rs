@@ -1,7 +1,7 @@
-//! How a table of options is written, and what is made of a row: [`options`](super::options) has the tables.
+//! The form of a table of options; [`options`](super::options) has the tables.
 //!
 //! The macro `options!` makes of a table the struct of the options with its default, each option by its name, and an
-//! [`OptionInfo`] for each. Of these clap's arguments, the JSON Schema, the Python signature and the documents are made.
+//! [`OptionInfo`] for each. Clap's arguments, the JSON Schema, the Python signature and the documents are made of these.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use super::error::RequestError;
 use crate::util::range::Range;
 
-/// What the users of an option see: a row of a table, whatever it is an option of.
+/// The part of a row that users of the option see.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct OptionInfo {
@@ -244,11 +244,11 @@ impl<T: OptionValue> OptionValue for Vec<T> {
 
 /// A row of a table of the options `R`.
 pub struct Row<R: Request> {
-    /// What users see.
+    /// The part that users see.
     pub info: OptionInfo,
     pub(super) set: fn(&mut R, &Value) -> Result<(), String>,
     pub(super) json: fn(&R) -> Value,
-    /// What the option means to those who do the work.
+    /// Applies the option to the options of those who do the work.
     pub(super) apply: fn(&R, &mut R::Options),
 }
 

@@ -38,7 +38,7 @@ pub enum Ending {
     Astray(u32),
     /// The controller has refused an item.
     Refused {
-        /// What is wrong with it.
+        /// The reason of the refusal.
         item: ItemRefusal,
         /// Number of the knot that the controller expected next.
         knot: u64,
