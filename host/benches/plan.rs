@@ -7,7 +7,7 @@ use std::path::Path;
 
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 
 const PATTERNS: [&str; 8] = [
     "miura-3x3",

@@ -9,7 +9,7 @@ use std::time::Instant;
 use foldpath::collision::{Sweep, SweepOptions};
 use foldpath::lattice::Lattice;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_core::{Curve, Membership};
 
@@ -55,10 +55,7 @@ fn time(
     for run in 0..RUNS {
         let options = SweepOptions::default();
         let start = Instant::now();
-        let mut sweep = match lattice {
-            Some(lattice) => Sweep::with_lattice(pattern, memberships, options, lattice),
-            None => Sweep::new(pattern, memberships, options),
-        };
+        let mut sweep = Sweep::new(pattern, memberships, options, lattice);
         least[0] = least[0].min(start.elapsed());
         let start = Instant::now();
         let verdict = sweep.sweep(motion);

@@ -6,7 +6,8 @@ use foldpath::export::fold::motion_text;
 use foldpath::motion::Motion;
 use foldpath::planner::{Goal, Plan, PlanOptions, plan};
 use foldpath::read::FileError;
-use foldpath::read::fold::{PatternFile, read_motion, read_pattern};
+use foldpath::read::fold::{PatternFile, read_motion};
+use foldpath::read::read_pattern;
 use serde_json::Value;
 
 /// A pattern file and its plan.

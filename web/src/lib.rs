@@ -67,7 +67,7 @@ pub fn info(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> 
 #[wasm_bindgen]
 pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
     let path = Path::new(name);
-    let file = parse_shape(path, bytes, None).map_err(refusal)?;
+    let file = parse_shape(path, bytes, None, None).map_err(refusal)?;
     let unfolding = unfold_shape(&file.shape, &UnfoldOptions::default()).map_err(refusal)?;
     match (&unfolding.drawing, unfolding.reason) {
         (Some(drawing), _) => Ok(pattern_text(&file.title, drawing)),

@@ -11,7 +11,7 @@ use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{PatternFile, parse_goal, parse_motion};
 use foldpath::read::{
-    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape_as, read_file,
+    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape, read_file,
     read_stream,
 };
 use foldpath::request::Family;
@@ -186,7 +186,7 @@ impl Input {
     /// Reads a folded shape.
     pub(crate) fn shape(&self, frame: Option<usize>) -> Result<ShapeFile, CliError> {
         let format = self.format();
-        self.parsed(|name, bytes| parse_shape_as(format, name, bytes, frame))
+        self.parsed(|name, bytes| parse_shape(name, bytes, Some(format), frame))
     }
 
     /// Reads a script of disturbances of hinges.

@@ -1,6 +1,7 @@
 //! Distances between faces along a path, and the nearest pair of faces, by a sweep of the motion.
 
 use foldpath_core::Curve;
+use serde::Serialize;
 
 use super::Measured;
 use super::merged_groups::MergedGroups;
@@ -11,7 +12,7 @@ use crate::pattern::{CreasePattern, FaceId};
 use crate::progress::Watch;
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WorstPair {
     /// The faces, the smaller number first.
     pub faces: [FaceId; 2],
@@ -130,7 +131,7 @@ impl<'a> Search<'a> {
             ..SweepOptions::default()
         };
         let members = self.motion.groups.memberships();
-        Sweep::build(self.pattern, members, options, self.lattice.as_ref()).watched(watch)
+        Sweep::new(self.pattern, members, options, self.lattice.as_ref()).watched(watch)
     }
 
     /// Returns the verdict at each knot of `shapes`, one after the other.

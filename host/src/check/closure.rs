@@ -66,7 +66,7 @@ const FEW: usize = 64;
 const MARGIN: f64 = 1e-11;
 
 /// The closure residual of a segment, over all vertices and holes, and the errors of the sheet that it allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SegmentClosure {
     /// Largest residual sampled.
     pub sampled: f64,
@@ -111,15 +111,7 @@ pub(super) fn certify(
         conditions,
         effort,
         decided,
-        found: SegmentClosure {
-            sampled: 0.0,
-            at: 0.0,
-            open: None,
-            bound: 0.0,
-            place: None,
-            samples: 0,
-            rigidity: None,
-        },
+        found: SegmentClosure::default(),
         short: 0,
     };
     segment.refine(0.5, 0.5, &all, 0);

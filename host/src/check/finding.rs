@@ -1,17 +1,20 @@
-//! The findings of a check as data: faults and open questions, each with its place. `messages.rs` makes sentences of
-//! them.
+//! The findings of a check as data and as sentences: faults and open questions, each with its place.
 
 use foldpath_core::GroupId;
+use thiserror::Error;
 
+use super::messages::{differing, known, rate, turns};
 use crate::collision::Crossing;
 use crate::pattern::{ClosureSite, EdgeId, FaceId, Letter, VertexId};
 
 /// A place on a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Moment {
     /// At the knot of this number.
+    #[error("knot {0}")]
     Knot(usize),
     /// Between the knot of number `segment` and the next, at `s` from 0 to 1.
+    #[error("between knots {segment} and {}, at {s:.3}", segment + 1)]
     Between {
         /// Number of the knot before.
         segment: usize,
@@ -51,14 +54,17 @@ pub enum GroupQuantity {
 }
 
 /// An error of the folded sheet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SheetError {
     /// Largest relative change of length of an edge.
+    #[error("deformation")]
     Deformation,
     /// Largest gap, in median edges.
+    #[error("gap")]
     Gap,
     /// Largest closure residual.
+    #[error("closure")]
     Closure,
 }
 
@@ -72,12 +78,14 @@ pub enum RateLimit {
 }
 
 /// A fault of a path. `Display` makes a sentence of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// The bound is no number, so that nothing exceeds it.
+    #[error("bound: expected a number, found NaN, which nothing exceeds")]
     BoundIsNotANumber,
     /// A hinge turns as it must not.
+    #[error("{at}: edge {edge} {}", turns(*at, *letter, *wrong, *value))]
     Turns {
         /// Place on the path.
         at: Moment,
@@ -91,6 +99,10 @@ pub enum Failure {
         value: f64,
     },
     /// Two hinges are in one group, but do not turn alike.
+    #[error(
+        "knot {knot}: edges {} and {} are in group {}, but {}",
+        edges[0], edges[1], group.0, differing(*quantity, *values)
+    )]
     GroupDiffers {
         /// Number of the knot.
         knot: usize,
@@ -104,6 +116,7 @@ pub enum Failure {
         values: [f64; 2],
     },
     /// The file claims less than is measured.
+    #[error("knot {knot}: the file claims a {error} of {claimed:.3e}, but it is {found:.3e}")]
     FalseClaim {
         /// Number of the knot.
         knot: usize,
@@ -115,6 +128,7 @@ pub enum Failure {
         found: f64,
     },
     /// A hinge exceeds the speed or the acceleration that the file claims.
+    #[error("the file claims a largest {}", rate(*limit, *claimed, *found))]
     FalseRate {
         /// The limit that the file claims.
         limit: RateLimit,
@@ -124,6 +138,7 @@ pub enum Failure {
         found: f64,
     },
     /// Faces are nearer to each other at a knot than the file claims.
+    #[error("knot {knot}: the file claims a clearance of {claimed:.3e}, but it is {found:.3e}")]
     FalseClearance {
         /// Number of the knot.
         knot: usize,
@@ -133,6 +148,9 @@ pub enum Failure {
         found: f64,
     },
     /// The file says that the motion was planned within a bound that it does not keep.
+    #[error(
+        "the file says that it was planned within the bound {claimed:.3e}, but has errors of {found:.3e}"
+    )]
     FalseBound {
         /// Bound in the file.
         claimed: f64,
@@ -140,6 +158,10 @@ pub enum Failure {
         found: f64,
     },
     /// The sheet breaks the bound.
+    #[error(
+        "{at}: {error} {value:.3e} over the bound {bound:.3e}{}",
+        known(*open, |(vertex, off)| format!("; vertex {vertex} fails to close by {off:.3e}"))
+    )]
     OverBound {
         /// Place on the path.
         at: Moment,
@@ -153,6 +175,10 @@ pub enum Failure {
         open: Option<(VertexId, f64)>,
     },
     /// The faces round a vertex or a hole do not meet.
+    #[error(
+        "{at}: {} fails to close by {residual:.3e}, over the bound {bound:.3e}",
+        known(*site, |site| site.to_string())
+    )]
     FailsToClose {
         /// Place on the path.
         at: Moment,
@@ -164,6 +190,10 @@ pub enum Failure {
         bound: f64,
     },
     /// Faces pass through each other.
+    #[error(
+        "{at}: faces {} and {} pass through each other, {depth_edges:.3e} median edges deep",
+        crossing.faces[0], crossing.faces[1]
+    )]
     Crosses {
         /// Place on the path.
         at: Moment,
@@ -175,10 +205,15 @@ pub enum Failure {
 }
 
 /// A question that a check leaves open. `Display` makes a sentence of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Undecided {
     /// The bound on the errors between two knots is above the bound that they have to keep, though no value found is.
+    #[error(
+        "not certified: between knots {segment} and {}, {} fails to close by up to {closure:.3e}, and the sheet may \
+         deform or tear by {error:.3e}, over the bound {bound:.3e}",
+        segment + 1, known(*site, |site| site.to_string())
+    )]
     Errors {
         /// Number of the knot before.
         segment: usize,
@@ -192,6 +227,9 @@ pub enum Undecided {
         bound: f64,
     },
     /// The fold angle of a hinge is not known at a place where the weights of its curve vanish.
+    #[error(
+        "not certified: {at}, the fold angle of edge {edge} is not known, as its weights vanish"
+    )]
     Angle {
         /// Place on the path.
         at: Moment,
@@ -199,6 +237,9 @@ pub enum Undecided {
         edge: EdgeId,
     },
     /// The file claims a distance of faces at a knot of which nothing is known, as measuring it would take too long.
+    #[error(
+        "knot {knot}: the file claims a clearance of {claimed:.3e}, and measuring it would take too long"
+    )]
     Clearance {
         /// Number of the knot.
         knot: usize,
@@ -206,6 +247,10 @@ pub enum Undecided {
         claimed: f64,
     },
     /// The search for crossings did not decide within its budget.
+    #[error(
+        "not certified: {at}, whether faces pass through each other takes too long to tell{}",
+        known(*faces, |[a, b]| format!(": faces {a} and {b}"))
+    )]
     Crossings {
         /// Place up to which no faces do.
         at: Moment,
@@ -213,5 +258,6 @@ pub enum Undecided {
         faces: Option<[FaceId; 2]>,
     },
     /// The check was cancelled, or its time ended.
+    #[error("cancelled before it was judged to its end")]
     Cancelled,
 }

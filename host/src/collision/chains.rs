@@ -130,8 +130,8 @@ impl Crossed {
 #[derive(Clone, Debug)]
 pub(super) struct Chains<'a> {
     memberships: &'a [Membership],
-    /// For each group `true` if it does not turn in the current phase.
-    still: Vec<bool>,
+    /// For each group `true` if it does not turn in the current phase; empty if all may turn.
+    pub(super) still: Vec<bool>,
     links: Vec<Link>,
     /// For each face, once requested, the distance to it from every other face (`known`); not kept on large
     /// sheets (`keeps`).
@@ -237,11 +237,6 @@ impl<'a> Chains<'a> {
             self.known.iter_mut().for_each(Vec::clear);
         }
         others
-    }
-
-    /// Returns for each group `true` if it does not turn in the current phase; an empty list if all may turn.
-    pub(super) fn still(&self) -> &[bool] {
-        &self.still
     }
 
     /// Returns the length of the list of links.

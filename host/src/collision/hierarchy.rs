@@ -51,7 +51,7 @@ pub(super) struct Node {
 }
 
 /// The clusters of a sheet; pieces come first, children before parents.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<Node>,
     /// Root node of each sheet.
@@ -63,11 +63,7 @@ pub(super) struct Hierarchy {
 impl Hierarchy {
     /// Creates a hierarchy without clusters: every piece on its own.
     pub(super) fn leaves(pieces: &Pieces) -> Self {
-        let mut hierarchy = Self {
-            nodes: Vec::new(),
-            roots: Vec::new(),
-            circles: Vec::new(),
-        };
+        let mut hierarchy = Self::default();
         hierarchy.extend(pieces);
         hierarchy
     }

@@ -2,7 +2,7 @@
 //! cached for that time.
 
 use foldpath_core::{HalfAngle, Membership, Rotation};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use super::chains::Link;
 use super::hierarchy::{Hierarchy, Sphere};
@@ -10,6 +10,7 @@ use super::lattice::CellPairs;
 use super::motion::{Motion, Tick};
 use super::pieces::{Pieces, Placed};
 use crate::folding::{SpanningTree, Step};
+use crate::lattice::Pose;
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 
 /// A cache of items that are valid at one time only. It takes memory only for items that were requested.
@@ -62,37 +63,6 @@ impl<T> TimeCached<T> {
     }
 }
 
-/// A face's frame (f) in space (w).
-#[derive(Clone, Copy, Debug)]
-struct Frame {
-    r_wf: Rotation<f64>,
-    /// The axes of the flat sheet and its origin, in space.
-    x_w: Vector3<f64>,
-    y_w: Vector3<f64>,
-    p_w: Vector3<f64>,
-}
-
-impl Frame {
-    /// Returns the frame that takes a point of the flat sheet to a place.
-    fn new(r_wf: Rotation<f64>, from: Vector2<f64>, to: Vector3<f64>) -> Self {
-        let (x_w, y_w) = (r_wf.rotate(&Vector3::x()), r_wf.rotate(&Vector3::y()));
-        Self {
-            r_wf,
-            x_w,
-            y_w,
-            p_w: to - x_w * from.x - y_w * from.y,
-        }
-    }
-
-    fn turn(&self, direction: Vector2<f64>) -> Vector3<f64> {
-        self.x_w * direction.x + self.y_w * direction.y
-    }
-
-    fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
-        self.turn(point) + self.p_w
-    }
-}
-
 /// The line of a crease in space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
@@ -118,13 +88,14 @@ pub(super) struct LazyFolding<'a> {
     /// For each face but the roots the step of the spanning tree that reaches it; empty if there is a lattice.
     steps: Vec<Option<Step>>,
     half_angles: TimeCached<HalfAngle<f64>>,
-    frames: TimeCached<Frame>,
+    frames: TimeCached<Pose>,
     axes: TimeCached<Axis>,
     spheres: TimeCached<Sphere>,
     spreads: TimeCached<f64>,
     /// Time at which each piece was placed last.
     placed: Vec<Tick>,
-    folded: Vec<Vector3<f64>>,
+    /// Positions of the corners that were placed.
+    pub(super) folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
     way: Vec<Step>,
     open: Vec<u32>,
@@ -178,11 +149,6 @@ impl<'a> LazyFolding<'a> {
         sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
-    /// Returns the positions of corners that were placed.
-    pub(super) fn corners(&self, range: core::ops::Range<usize>) -> &[Vector3<f64>] {
-        &self.folded[range]
-    }
-
     fn half_angle(&mut self, motion: &Motion, member: Membership) -> HalfAngle<f64> {
         let (group, time) = (member.group.index(), self.time);
         let half = self.half_angles.get(group, time).copied();
@@ -194,7 +160,7 @@ impl<'a> LazyFolding<'a> {
         half.signed(member.negative)
     }
 
-    fn frame(&mut self, motion: &Motion, face: FaceId) -> Frame {
+    fn frame(&mut self, motion: &Motion, face: FaceId) -> Pose {
         if let Some(frame) = self.frames.get(face.index(), self.time) {
             return *frame;
         }
@@ -206,14 +172,13 @@ impl<'a> LazyFolding<'a> {
             }
             if let Some(cells) = &mut self.cells {
                 let (pose, origin) = cells.pose(motion, self.time, at);
-                let frame = Frame::new(pose.r_wf, origin, pose.p_w);
+                let frame = Pose::about(pose.r_wf, origin, pose.p_w);
                 self.frames.set(at.index(), self.time, frame);
                 break frame;
             }
             let Some(step) = self.steps[at.index()] else {
-                let root = Frame::new(Rotation::identity(), Vector2::zeros(), Vector3::zeros());
-                self.frames.set(at.index(), self.time, root);
-                break root;
+                self.frames.set(at.index(), self.time, Pose::identity());
+                break Pose::identity();
             };
             way.push(step);
             at = step.parent;
@@ -223,7 +188,7 @@ impl<'a> LazyFolding<'a> {
             if let Some(&member) = member {
                 let half = self.half_angle(motion, member);
                 let turn = Rotation::about_crease(half, step.axis.into());
-                frame = Frame::new(frame.r_wf * turn, step.pivot, frame.apply(step.pivot));
+                frame = Pose::about(frame.r_wf * turn, step.pivot, frame.apply(step.pivot));
             }
             self.frames.set(step.face.index(), self.time, frame);
         }
@@ -334,7 +299,7 @@ impl<'a> LazyFolding<'a> {
         self.folded.resize(pieces.flat.len(), Vector3::zeros());
         let part = pieces.list[piece as usize];
         let frame = self.frame(motion, part.face);
-        self.normals[piece as usize] = frame.x_w.cross(&frame.y_w);
+        self.normals[piece as usize] = frame.normal();
         for corner in part.corners() {
             self.folded[corner] = frame.apply(pieces.flat[corner]);
         }

@@ -157,7 +157,7 @@ impl Motion {
         let (segment, [s, end]) = self.stretch(times);
         let opposite = opposite != (creases[0].negative != creases[1].negative);
         let sign = if opposite { -1.0 } else { 1.0 };
-        let [a, b] = creases.map(|crease| *self.variation(segment, crease).curve());
+        let [a, b] = creases.map(|crease| self.variation(segment, crease).curve);
         let (Curve::Angle(a), Curve::Angle(b)) = (a, b) else {
             return f64::INFINITY;
         };
@@ -212,7 +212,7 @@ impl Motion {
                 .enumerate()
                 .filter_map(|(group, variation)| {
                     let s = variation.overturned(slack)?;
-                    Some((segment, s, group, variation.curve().angle(s)))
+                    Some((segment, s, group, variation.curve.angle(s)))
                 });
             found.min_by(|a, b| a.1.total_cmp(&b.1))
         })
@@ -222,7 +222,7 @@ impl Motion {
     pub(super) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
         let (segment, s) = self.place(tick);
         let variation = self.variations.get(segment * self.groups + group);
-        variation.map_or_else(HalfAngle::default, |v| v.curve().half_angle(s))
+        variation.map_or_else(HalfAngle::default, |v| v.curve.half_angle(s))
     }
 
     /// Computes half the angle of each group at a time.
@@ -237,7 +237,7 @@ impl Motion {
         let (segment, s) = self.place(tick);
         for (group, angle) in angles.iter_mut().enumerate() {
             let variation = self.variations.get(segment * self.groups + group);
-            *angle = variation.map_or(0.0, |v| v.curve().angle(s));
+            *angle = variation.map_or(0.0, |v| v.curve.angle(s));
         }
     }
 
@@ -340,7 +340,7 @@ impl Motion {
     pub(super) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
         let all = self.variations.chunks(self.groups.max(1)).enumerate();
         all.map(|(segment, variations)| {
-            let curves = variations.iter().map(|variation| *variation.curve());
+            let curves = variations.iter().map(|variation| variation.curve);
             (
                 self.index(((segment + 1) as Tick) << TICKS),
                 curves.collect(),

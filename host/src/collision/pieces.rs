@@ -86,7 +86,7 @@ pub(super) struct Joint {
 }
 
 /// The convex pieces of a pattern's faces: of all faces, or of those requested so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     pub(super) list: Vec<Piece>,
     /// Vertex of each corner (`vertices`), and its position in the flat sheet (`flat`).
@@ -123,13 +123,8 @@ impl Pieces {
     /// Returns an empty list, to which `load` adds the pieces of a face on request.
     pub(super) fn none(pattern: &CreasePattern) -> Self {
         Self {
-            list: Vec::new(),
-            vertices: Vec::new(),
-            flat: Vec::new(),
             of_faces: vec![[0; 2]; pattern.faces().len()],
-            sizes: Vec::new(),
-            joints: Vec::new(),
-            joints_of: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -312,11 +307,17 @@ impl<'a> Placed<'a> {
     /// Returns the depth to which the pieces cross, alone or together with the pieces joined to them; 0 if it
     /// does not exceed `tolerance`.
     pub(super) fn depth(&self, a: u32, b: u32, tolerance: f64) -> f64 {
-        let (depth, stands) = self.depth_alone([a, b], tolerance);
+        let (mut depth, [on_second, on_first]) = self.depth_alone([a, b], tolerance);
         if depth > 0.0 {
             return depth;
         }
-        self.depth_beyond([a, b], stands, tolerance)
+        if on_second {
+            depth = depth.max(self.beyond(a, b, tolerance));
+        }
+        if on_first {
+            depth = depth.max(self.beyond(b, a, tolerance));
+        }
+        depth
     }
 
     /// Returns the depth to which the pieces cross without the pieces joined to them. If that is 0, the flag of a piece
@@ -334,24 +335,6 @@ impl<'a> Placed<'a> {
         }
         let depth = depth_within(&first, &second, reaches, tolerance);
         (depth, reaches.map(|reach| reach.stands(tolerance)))
-    }
-
-    /// Returns the depth to which pieces that stand on the other one cross it together with the pieces joined to them.
-    #[inline]
-    pub(super) fn depth_beyond(
-        &self,
-        [a, b]: [u32; 2],
-        [on_second, on_first]: [bool; 2],
-        tolerance: f64,
-    ) -> f64 {
-        let mut depth = 0.0_f64;
-        if on_second {
-            depth = depth.max(self.beyond(a, b, tolerance));
-        }
-        if on_first {
-            depth = depth.max(self.beyond(b, a, tolerance));
-        }
-        depth
     }
 
     /// Returns the distance between the positions that two pieces give a vertex that they share, the largest if they share

@@ -133,7 +133,7 @@ impl SearchedMotion<'_> {
         } else {
             self.options
         };
-        let sweep = Sweep::with_lattice(self.pattern, self.memberships, options, lattice);
+        let sweep = Sweep::new(self.pattern, self.memberships, options, Some(lattice));
         let searched = self.run(sweep);
         let decided = match searched.verdict {
             SweepVerdict::Free(_) => true,
@@ -147,7 +147,8 @@ impl SearchedMotion<'_> {
 
     /// Searches all faces.
     pub(crate) fn all_faces(&self) -> Searched {
-        self.run(Sweep::new(self.pattern, self.memberships, self.options))
+        let sweep = Sweep::new(self.pattern, self.memberships, self.options, None);
+        self.run(sweep)
     }
 
     fn run(&self, sweep: Sweep<'_>) -> Searched {

@@ -32,7 +32,7 @@ enum Kind {
 /// The variation of one fold angle over one segment, or a little more than that.
 #[derive(Clone, Debug)]
 pub(super) struct Variation {
-    curve: Curve<f64>,
+    pub(super) curve: Curve<f64>,
     parts: Vec<Part>,
 }
 
@@ -77,10 +77,6 @@ impl Variation {
         let [left, right] = rates.halves();
         self.overturned_in(&left, [start, middle], slack, halvings - 1)
             .or_else(|| self.overturned_in(&right, [middle, end], slack, halvings - 1))
-    }
-
-    pub(super) fn curve(&self) -> &Curve<f64> {
-        &self.curve
     }
 
     /// Returns the change of the angle from `s` to `end`.

@@ -120,8 +120,6 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
     let pattern = &motion.pattern;
     let edges = || pattern.edges().iter();
     let vertices = pattern.vertices().iter().map(|v| [v.x, v.y]);
-    let faces = pattern.faces().iter();
-    let faces = faces.map(|f| f.iter().map(|v| v.0).collect::<Vec<_>>());
     let named = || motion.named_members().iter();
     let groups = named().map(|member| member.map(|m| m.group.0));
     let signs = named().map(|member| member.map_or(0, |m| if m.negative { -1 } else { 1 }));
@@ -136,9 +134,9 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
     file(out, |file| {
         header(file, &motion.title, "animation")?;
         file.list("vertices_coords", vertices)?;
-        file.list("edges_vertices", edges().map(|e| e.ends.map(|v| v.0)))?;
+        file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
-        file.list("faces_vertices", faces)?;
+        file.list("faces_vertices", pattern.faces().iter())?;
         file.set(
             "foldpath:interpolation",
             interpolation_name(motion.interpolation),

@@ -17,7 +17,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::{Export, Made, Sink};
+use super::{Export, Made, Sink, single};
 use crate::folding::{STEP, shapes};
 use crate::motion::Motion;
 use crate::read::FileError;
@@ -140,19 +140,12 @@ fn moves(
     let moves: Vec<[f32; 3]> = moves.collect();
     match moves.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
         None => Ok(moves),
-        Some(vertex) => Err(FileError::Expected {
-            path: file.to_path_buf(),
-            place: format!("vertices_coords[{vertex}]"),
-            expected: "coordinates that single precision holds, for .glb".into(),
-            found: "larger ones".into(),
-        }),
+        Some(vertex) => {
+            let place = format!("vertices_coords[{vertex}]");
+            let expected = "coordinates that single precision holds, for .glb";
+            Err(FileError::expected(file, place, expected, "larger ones"))
+        }
     }
-}
-
-/// Rounds to the nearest number of single precision.
-#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-fn single(number: f64) -> f32 {
-    number as f32
 }
 
 /// Returns the length of a file or chunk as the 32-bit number that its header stores.

@@ -32,12 +32,10 @@ impl HingeGroups {
         };
         let creases = motion.pattern.creases().iter();
         let members = creases.map(|&edge| {
-            let member = named[edge.index()].ok_or_else(|| FileError::Expected {
-                path: file.to_path_buf(),
-                place: format!("foldpath:edges_group[{edge}]"),
-                expected: "a group, as the edge is a hinge".into(),
-                found: "null".into(),
-            });
+            let place = || format!("foldpath:edges_group[{edge}]");
+            let expected = "a group, as the edge is a hinge";
+            let member = named[edge.index()]
+                .ok_or_else(|| FileError::expected(file, place(), expected, "null"));
             Ok((edge, member?))
         });
         let mut members: Vec<(EdgeId, Membership)> = members.collect::<Result<_, FileError>>()?;
@@ -82,12 +80,10 @@ impl HingeGroups {
                 let node = motion.group_node(knot, edge, member);
                 if !alike(node, nodes[member.group.index()]) {
                     let degrees = motion.node(knot, edge).angle.to_degrees();
-                    return Err(FileError::Expected {
-                        path: file.to_path_buf(),
-                        place: format!("file_frames[{knot}].edges_foldAngle[{edge}]"),
-                        expected: "angle, rate and weight of its crease group".into(),
-                        found: format!("{degrees} degrees"),
-                    });
+                    let place = format!("file_frames[{knot}].edges_foldAngle[{edge}]");
+                    let expected = "angle, rate and weight of its crease group";
+                    let found = format!("{degrees} degrees");
+                    return Err(FileError::expected(file, place, expected, found));
                 }
             }
         }

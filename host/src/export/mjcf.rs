@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::mjcf_panels::{Joint, Panels};
-use super::{Export, Made, Sink};
+use super::{Export, Made, Sink, escaped};
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 use crate::planner::forecast;
@@ -89,11 +89,8 @@ pub fn model(motion: &Motion, file: &Path) -> Result<Model, FileError> {
     let groups = CreaseGroups::find(pattern);
     let drivers = forecast(pattern, &groups, Watch::default()).drivers(pattern, &groups);
     let panels = Panels::of(pattern, &drivers);
-    let masses = Masses::of(pattern, panels.len()).ok_or_else(|| FileError::Expected {
-        path: file.to_path_buf(),
-        place: "faces_vertices".into(),
-        expected: "a sheet with an area".into(),
-        found: "none".into(),
+    let masses = Masses::of(pattern, panels.len()).ok_or_else(|| {
+        FileError::expected(file, "faces_vertices", "a sheet with an area", "none")
     })?;
     let joints: Vec<EdgeId> = panels.joints().map(|joint| joint.edge).collect();
     let known: Vec<EdgeId> = joints
@@ -114,7 +111,7 @@ pub fn model(motion: &Motion, file: &Path) -> Result<Model, FileError> {
         files,
         panels: panels.len(),
         joints: joints.len(),
-        loops: panels.loops().len(),
+        loops: panels.loops.len(),
         actuators,
         drivers_known,
     })
@@ -168,7 +165,7 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
     // Drake refuses a model without a name.
     let title = match motion.title.trim() {
         "" => "sheet".into(),
-        title => xml(title),
+        title => escaped(title),
     };
     let mut text = format!(
         "<!-- Written by foldpath {}. Lengths are in units of the pattern, angles in radians, valley positive. -->\n\
@@ -199,7 +196,7 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
         let _complete = writeln!(text, "    <exclude body1=\"{a}\" body2=\"{b}\"/>");
     }
     text += "  </contact>\n  <equality>\n";
-    for joint in panels.loops() {
+    for joint in &panels.loops {
         let [a, b] = [joint.parent, joint.child].map(|panel| panels.name(panel));
         for (end, vertex) in ["start", "end"]
             .into_iter()
@@ -246,7 +243,7 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
 /// Writes the bodies, each inside its parent, in the order of [`Panels::joints`].
 fn bodies(text: &mut String, pattern: &CreasePattern, panels: &Panels) {
     let mut open: Vec<usize> = Vec::new();
-    for &(panel, joint) in panels.order() {
+    for &(panel, joint) in &panels.order {
         let parent = joint.map(|joint: Joint| joint.parent);
         while open.last().copied() != parent {
             if open.pop().is_none() {
@@ -281,7 +278,10 @@ fn bodies(text: &mut String, pattern: &CreasePattern, panels: &Panels) {
 fn sharing_vertices(pattern: &CreasePattern, panels: &Panels) -> BTreeSet<[usize; 2]> {
     let mut pairs = BTreeSet::new();
     for corners in pattern.corners().iter() {
-        let round: BTreeSet<usize> = corners.iter().map(|face| panels.of_face(*face)).collect();
+        let round: BTreeSet<usize> = corners
+            .iter()
+            .map(|face| panels.of_face[face.index()])
+            .collect();
         for &a in &round {
             pairs.extend(round.range(a + 1..).map(|&b| [a, b]));
         }
@@ -293,14 +293,4 @@ fn sharing_vertices(pattern: &CreasePattern, panels: &Panels) -> BTreeSet<[usize
 fn place(pattern: &CreasePattern, vertex: VertexId) -> String {
     let at = pattern.vertices()[vertex.index()];
     format!("{} {} 0", at.x, at.y)
-}
-
-/// Returns a text as the value of an attribute.
-fn xml(text: &str) -> String {
-    let text: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }

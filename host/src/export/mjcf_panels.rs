@@ -23,13 +23,13 @@ pub(super) struct Joint {
 /// Sets of faces that are joined by edges that stay flat, and the creases between them.
 pub(super) struct Panels {
     /// Panel of each face.
-    of_face: Vec<usize>,
+    pub(super) of_face: Vec<usize>,
     /// Faces of each panel; the first names it.
     faces: Vec<Vec<FaceId>>,
     /// Panels, each after its parent and with its descendants next to it, with the joint that carries it.
-    order: Vec<(usize, Option<Joint>)>,
+    pub(super) order: Vec<(usize, Option<Joint>)>,
     /// Creases off the tree.
-    loops: Vec<Joint>,
+    pub(super) loops: Vec<Joint>,
 }
 
 impl Panels {
@@ -37,25 +37,17 @@ impl Panels {
     /// those of [`SpanningTree::from_central_face`] as far as possible; its root is the panel of the central face.
     pub(super) fn of(pattern: &CreasePattern, first: &[EdgeId]) -> Self {
         let tree = SpanningTree::from_central_face(pattern);
-        let edges = || (0..pattern.edges().len()).map(EdgeId::new);
-        let still = edges().filter(|&edge| pattern.edge(edge).crease.is_none());
-        let steps = tree
-            .steps()
-            .iter()
-            .chain(tree.loops())
-            .map(|step| step.edge);
-        let mut sets = UnionFind::new(pattern.faces().len());
-        let mut join = |edge: EdgeId| {
-            let faces = pattern.edge(edge).inner_faces();
-            faces.is_some_and(|faces| sets.join(faces.map(|face| face.index())))
-        };
-        for edge in still {
-            join(edge);
-        }
-        let mut in_tree = vec![false; pattern.edges().len()];
+        let steps = tree.steps().iter().chain(tree.loops());
+        let steps = steps.map(|step| step.edge);
         let mut panels = Self::of_sets(pattern);
+        let mut sets = UnionFind::new(panels.len());
+        let mut in_tree = vec![false; pattern.edges().len()];
         for edge in first.iter().copied().chain(steps) {
-            in_tree[edge.index()] |= pattern.edge(edge).crease.is_some() && join(edge);
+            let data = pattern.edge(edge);
+            if let (Some(_), Some(faces)) = (data.crease, data.inner_faces()) {
+                let joined = faces.map(|face| panels.of_face[face.index()]);
+                in_tree[edge.index()] |= sets.join(joined);
+            }
         }
         let roots: Vec<usize> = tree
             .roots()
@@ -78,13 +70,11 @@ impl Panels {
         let mut of_face: Vec<usize> = Vec::with_capacity(pattern.faces().len());
         for (face, first) in sets.representatives().into_iter().enumerate() {
             let panel = if first == face {
-                faces.len()
+                faces.push(Vec::new());
+                faces.len() - 1
             } else {
                 of_face[first]
             };
-            if first == face {
-                faces.push(Vec::new());
-            }
             faces[panel].push(FaceId::new(face));
             of_face.push(panel);
         }
@@ -144,29 +134,14 @@ impl Panels {
         self.faces.len()
     }
 
-    /// Returns the panel of a face.
-    pub(super) fn of_face(&self, face: FaceId) -> usize {
-        self.of_face[face.index()]
-    }
-
     /// Returns the name of a panel, `panel_F` with its first face F.
     pub(super) fn name(&self, panel: usize) -> String {
         format!("panel_{}", self.faces[panel][0])
     }
 
-    /// Returns the panels, each after its parent and with its descendants next to it, with the joint that carries it.
-    pub(super) fn order(&self) -> &[(usize, Option<Joint>)] {
-        &self.order
-    }
-
     /// Returns the joints of the tree in the order of the panels.
     pub(super) fn joints(&self) -> impl Iterator<Item = &Joint> {
         self.order.iter().filter_map(|(_, joint)| joint.as_ref())
-    }
-
-    /// Returns the creases off the tree.
-    pub(super) fn loops(&self) -> &[Joint] {
-        &self.loops
     }
 
     /// Returns a panel as a closed mesh in Wavefront OBJ: a slab from `half` below the flat sheet to `half` above.
@@ -212,6 +187,6 @@ impl Panels {
         let mut edges = pattern.stars()[ends[0].index()].iter();
         let edge = edges.find(|edge| pattern.edge(**edge).other_end(ends[0]) == ends[1]);
         let faces = edge.and_then(|edge| pattern.edge(*edge).inner_faces());
-        faces.is_none_or(|faces| faces.iter().any(|face| self.of_face(*face) != panel))
+        faces.is_none_or(|faces| faces.iter().any(|face| self.of_face[face.index()] != panel))
     }
 }

@@ -229,12 +229,10 @@ impl<'a> Export<'a> {
     fn motion(&self) -> Result<&'a Motion, FileError> {
         match self.source {
             Source::Motion(motion) => Ok(motion),
-            Source::Pattern(..) => Err(FileError::Expected {
-                path: self.name.to_path_buf(),
-                place: "the file".into(),
-                expected: "a path".into(),
-                found: "a crease pattern".into(),
-            }),
+            Source::Pattern(..) => {
+                let found = "a crease pattern";
+                Err(FileError::expected(self.name, "the file", "a path", found))
+            }
         }
     }
 
@@ -243,4 +241,27 @@ impl<'a> Export<'a> {
         let motion = self.motion()?;
         Ok(self.options.frames.map(|frames| motion.resampled(frames)))
     }
+}
+
+/// Rounds to single precision, in which other programs read drawings.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+fn single(number: f64) -> f32 {
+    number as f32
+}
+
+/// Escapes the characters that have a meaning in XML and drops those that XML forbids.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => escaped += "&lt;",
+            '&' => escaped += "&amp;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\u{fffe}' | '\u{ffff}' => {}
+            c if c.is_control() => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
 }

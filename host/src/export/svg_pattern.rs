@@ -11,7 +11,7 @@ use core::fmt::Write;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
-use super::{Export, Made, Needs, Sink, Source};
+use super::{Export, Made, Needs, Sink, Source, escaped, single};
 use crate::colours::{hex, of_group, ramp};
 use crate::folding::{STEP, deformation_of_faces};
 use crate::motion::{GroupNaming, Motion};
@@ -332,25 +332,4 @@ fn round_scale(scale: f64) -> f64 {
         .map(|digit| digit * power)
         .find(|round| *round <= scale);
     digit.unwrap_or(power)
-}
-
-/// Rounds to single precision, in which other programs read drawings.
-#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-fn single(number: f64) -> f32 {
-    number as f32
-}
-
-/// Escapes the characters that have a meaning in XML and drops those that XML forbids.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in text.chars() {
-        match c {
-            '<' => escaped += "&lt;",
-            '&' => escaped += "&amp;",
-            '\u{fffe}' | '\u{ffff}' => {}
-            c if c.is_control() => escaped.push(' '),
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }

@@ -195,12 +195,8 @@ impl Arrays {
 
 /// Makes the error of a trajectory that a controller cannot follow.
 fn unfit(file: &Path, error: &dyn core::error::Error) -> FileError {
-    FileError::Expected {
-        path: file.to_path_buf(),
-        place: "file_frames".into(),
-        expected: "knots that a controller can follow".into(),
-        found: error.to_string(),
-    }
+    let expected = "knots that a controller can follow";
+    FileError::expected(file, "file_frames", expected, error.to_string())
 }
 
 /// A path rounded to `f32`, and the rounded numbers widened to `f64`.

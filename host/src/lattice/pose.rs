@@ -57,7 +57,18 @@ impl Pose {
     #[inline]
     #[must_use]
     pub fn apply(&self, point: Vector2<f64>) -> Vector3<f64> {
-        self.axes_w[0] * point.x + self.axes_w[1] * point.y + self.p_w
+        self.turn(point) + self.p_w
+    }
+
+    /// Returns the direction in space of a direction of the flat sheet.
+    #[inline]
+    pub(crate) fn turn(&self, direction: Vector2<f64>) -> Vector3<f64> {
+        self.axes_w[0] * direction.x + self.axes_w[1] * direction.y
+    }
+
+    /// Returns the unit normal of the face in space.
+    pub(crate) fn normal(&self) -> Vector3<f64> {
+        self.axes_w[0].cross(&self.axes_w[1])
     }
 
     /// Returns the new position of a point of space that moves with the flat sheet.

@@ -1,9 +1,11 @@
 //! Newtype ids of the parts of a crease pattern: positions in its lists, which the types keep from being mixed up.
 
+use serde::Serialize;
+
 macro_rules! id {
     ($name:ident, $what:literal) => {
         #[doc = concat!("Names ", $what, " of a crease pattern: its position, from 0.")]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
         pub struct $name(pub u32);
 
         impl $name {

@@ -81,6 +81,7 @@ fn parts(letter: Letter) -> bool {
 }
 
 /// The fans of all vertices. A fan is a chain of faces round one vertex, each joined to the next by an edge.
+#[derive(Default)]
 struct Fans {
     /// The new vertex of a face, by the face and the drawn vertex that it replaces.
     moved: HashMap<(FaceId, usize), usize>,
@@ -111,11 +112,7 @@ impl Fans {
                 }
             }
         }
-        let mut fans = Self {
-            moved: HashMap::new(),
-            sources: Vec::new(),
-            points: Vec::new(),
-        };
+        let mut fans = Self::default();
         if missing.iter().all(|missing| *missing <= 0) {
             return fans;
         }

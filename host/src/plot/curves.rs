@@ -52,17 +52,14 @@ impl Curves {
     /// Computes the curves of a path. Cost: that of a [`check`](crate::check), plus folding some hundred shapes.
     #[must_use]
     pub fn of_path(path: &Motion) -> Self {
-        Self::until_over(path, Watch::default())
+        Self::of_path_watched(path, &Progress::default())
     }
 
     /// Computes the curves of a path and reports the progress to `progress`. Once cancelled, everything not yet
     /// measured is left out.
     #[must_use]
     pub fn of_path_watched(path: &Motion, progress: &Progress) -> Self {
-        Self::until_over(path, Watch::new(progress))
-    }
-
-    fn until_over(path: &Motion, watch: Watch<'_>) -> Self {
+        let watch = Watch::new(progress);
         let mut curves = Self {
             title: path.title.clone(),
             knots: path.knots.iter().map(|knot| knot.time).collect(),

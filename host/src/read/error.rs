@@ -10,6 +10,9 @@ use super::locate;
 use crate::pattern::PatternError;
 use crate::unfold::ShapeError;
 
+/// Place of an error in a file, the value expected at that place and the value found.
+pub(super) type Wrong = (String, String, String);
+
 /// Reason why a file could not be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -85,6 +88,21 @@ pub enum FileError {
 const LARGEST_SHOWN: u64 = 1 << 28;
 
 impl FileError {
+    /// Makes the error that another value was expected at a place of a file.
+    pub(crate) fn expected(
+        path: &Path,
+        place: impl Into<String>,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Self {
+        Self::Expected {
+            path: path.to_path_buf(),
+            place: place.into(),
+            expected: expected.into(),
+            found: found.into(),
+        }
+    }
+
     /// Returns the path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {

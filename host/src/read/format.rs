@@ -64,7 +64,7 @@ impl Format {
     /// 5. FOLD otherwise.
     #[must_use]
     pub fn of_content(bytes: &[u8]) -> Self {
-        if stl::is_binary(bytes) {
+        if stl::triangles(bytes).is_some() {
             return Self::Stl;
         }
         let head = &bytes[..bytes.len().min(XML_HEAD)];

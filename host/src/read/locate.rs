@@ -3,10 +3,9 @@
 //! The parsers keep no positions. This module reads the text a second time, at the cost of parsing, and only after an
 //! error.
 
-use core::fmt;
 use core::ops::Range;
+use std::collections::HashMap;
 
-use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
 /// Returns the byte range of `place` in a JSON text, such as `file_frames[3].edges_foldAngle[2]`. If the last keys or
@@ -15,8 +14,8 @@ use serde_json::value::RawValue;
 pub(super) fn in_json(text: &str, place: &str) -> Option<Range<usize>> {
     let offset = |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
     let mut here = text;
-    for step in place.split(['.', '[']).map(Step::of) {
-        let Some(inside) = step.enter(here) else {
+    for part in place.split(['.', '[']) {
+        let Some(inside) = entered(here, part) else {
             let start = offset(here);
             return (start > 0).then_some(start..start + 1);
         };
@@ -55,69 +54,23 @@ fn line_of(text: &str, line: usize) -> Option<Range<usize>> {
     Some(start..start + length)
 }
 
-/// One step into a JSON value.
-#[derive(Clone, Copy)]
-enum Step<'s> {
-    Key(&'s str),
-    Index(usize),
-}
-
-impl<'s> Step<'s> {
-    fn of(part: &'s str) -> Self {
-        let index = part.strip_suffix(']').and_then(|index| index.parse().ok());
-        index.map_or(Self::Key(part), Self::Index)
-    }
-
-    /// Returns the text of the value that this step leads to.
-    fn enter(self, text: &str) -> Option<&str> {
-        let mut parser = serde_json::Deserializer::from_str(text);
-        Some(self.deserialize(&mut parser).ok()??.get())
-    }
-}
-
-impl<'de> DeserializeSeed<'de> for Step<'_> {
-    type Value = Option<&'de RawValue>;
-
-    fn deserialize<D: Deserializer<'de>>(self, parser: D) -> Result<Self::Value, D::Error> {
-        parser.deserialize_any(self)
-    }
-}
-
-impl<'de> Visitor<'de> for Step<'_> {
-    type Value = Option<&'de RawValue>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a list or an object")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
-        let before = if let Self::Index(index) = self {
-            index
-        } else {
-            usize::MAX
-        };
-        for _ in 0..before {
-            if entries.next_element::<IgnoredAny>()?.is_none() {
-                return Ok(None);
-            }
+/// Returns the text of the value that one part of a place leads to. If a key occurs more than once, takes its last value,
+/// as the reader does.
+fn entered<'t>(text: &'t str, part: &str) -> Option<&'t str> {
+    let index = part
+        .strip_suffix(']')
+        .and_then(|at| at.parse::<usize>().ok());
+    let found = match index {
+        Some(index) => {
+            let entries: Vec<&RawValue> = serde_json::from_str(text).ok()?;
+            *entries.get(index)?
         }
-        let found = entries.next_element()?;
-        while entries.next_element::<IgnoredAny>()?.is_some() {}
-        Ok(found)
-    }
-
-    /// If a key occurs more than once, takes its last value, as the reader does.
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
-        let mut found = None;
-        while let Some(key) = entries.next_key::<String>()? {
-            if matches!(self, Self::Key(wanted) if wanted == key) {
-                found = Some(entries.next_value()?);
-            } else {
-                let _other: IgnoredAny = entries.next_value()?;
-            }
+        None => {
+            let entries: HashMap<String, &RawValue> = serde_json::from_str(text).ok()?;
+            *entries.get(part)?
         }
-        Ok(found)
-    }
+    };
+    Some(found.get())
 }
 
 #[cfg(test)]

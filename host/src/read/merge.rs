@@ -26,10 +26,7 @@ pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape
     let near = NEAR * shape.size();
     let mut places = Places {
         near,
-        cells: HashMap::new(),
-        exact: HashMap::new(),
-        points: Vec::new(),
-        widest: 0.0,
+        ..Places::default()
     };
     let mut names = vec![usize::MAX; shape.vertices.len()];
     let mut corners = 0_usize;
@@ -73,6 +70,7 @@ pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape
 }
 
 /// Distinct places in space, in a hash grid whose cells are as wide as the merging distance `near`.
+#[derive(Default)]
 struct Places {
     near: f64,
     cells: HashMap<[i64; 3], Vec<usize>>,

@@ -156,12 +156,8 @@ fn check_size(path: &Path, size: usize, most: u64) -> Result<(), FileError> {
     if u64::try_from(size).is_ok_and(|size| size <= most) {
         return Ok(());
     }
-    Err(FileError::Expected {
-        path: path.to_path_buf(),
-        place: "the file".into(),
-        expected: format!("at most {} MiB", most >> 20),
-        found: "more".into(),
-    })
+    let expected = format!("at most {} MiB", most >> 20);
+    Err(FileError::expected(path, "the file", expected, "more"))
 }
 
 /// A folded shape read from a file.
@@ -175,39 +171,31 @@ pub struct ShapeFile {
     pub notes: Vec<String>,
 }
 
-/// Parses a folded shape from the bytes of a file. The ending of the name selects the format: `.obj` or `.stl`; every other
-/// ending is read as FOLD. In a FOLD file `frame` selects the frame to read; frame 0 is the key frame.
+/// Parses a folded shape from the bytes of a file. Without a `format`, the ending of the name selects it: `.obj` or `.stl`;
+/// every other format is read as FOLD. In a FOLD file `frame` selects the frame to read; frame 0 is the key frame.
 ///
 /// # Errors
 /// If the bytes hold no faces in space, or if `frame` is given for a format without frames.
 pub fn parse_shape(
     path: &Path,
     bytes: &[u8],
+    format: Option<Format>,
     frame: Option<usize>,
 ) -> Result<ShapeFile, FileError> {
-    parse_shape_as(Format::of_name(path), path, bytes, frame)
-}
-
-/// Parses a folded shape in the format `format`; formats other than OBJ and STL are read as FOLD. `path` names the
-/// shape in errors. See [`parse_shape`].
-///
-/// # Errors
-/// If the bytes hold no faces in space, or if `frame` is given for a format without frames.
-pub fn parse_shape_as(
-    format: Format,
-    path: &Path,
-    bytes: &[u8],
-    frame: Option<usize>,
-) -> Result<ShapeFile, FileError> {
+    let format = format.unwrap_or_else(|| Format::of_name(path));
     match (format, frame) {
         (Format::Obj, None) => obj::parse_shape(path, text(path, bytes)?),
         (Format::Stl, None) => stl::parse_shape(path, bytes),
-        (Format::Obj | Format::Stl, Some(frame)) => Err(FileError::Expected {
-            path: path.to_path_buf(),
-            place: format!("frame {frame}"),
-            expected: "a FOLD file, which has frames".into(),
-            found: format!("an {} file", format.name()),
-        }),
+        (Format::Obj | Format::Stl, Some(frame)) => {
+            let expected = "a FOLD file, which has frames";
+            let place = format!("frame {frame}");
+            Err(FileError::expected(
+                path,
+                place,
+                expected,
+                format.described(),
+            ))
+        }
         _ => fold::parse_shape(path, bytes, frame),
     }
 }
@@ -220,11 +208,9 @@ fn stem(path: &Path) -> String {
 
 /// Decodes the bytes of a file as UTF-8, without a byte order mark.
 fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
-    let text = str::from_utf8(bytes).map_err(|error| FileError::Expected {
-        path: path.to_path_buf(),
-        place: format!("byte {}", error.valid_up_to()),
-        expected: "text in UTF-8".into(),
-        found: "other bytes".into(),
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let place = format!("byte {}", error.valid_up_to());
+        FileError::expected(path, place, "text in UTF-8", "other bytes")
     })?;
     Ok(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text))
 }

@@ -45,12 +45,8 @@ pub(super) fn parse_pattern(
 ) -> Result<PatternFile, FileError> {
     let (shape, mut notes) = parse(path, text)?;
     let Some(vertices) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
-        return Err(FileError::Expected {
-            path: path.to_path_buf(),
-            place: "the vertices".into(),
-            expected: FLAT_PATTERN.into(),
-            found: NOT_FLAT.into(),
-        });
+        let place = "the vertices";
+        return Err(FileError::expected(path, place, FLAT_PATTERN, NOT_FLAT));
     };
     let key = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
     let named = shape.edges.iter().map(|edge| (key(edge.ends), *edge));
@@ -101,17 +97,12 @@ pub(super) fn parse_pattern(
     })
 }
 
-/// A line that is not what its keyword requires.
-struct Wrong {
-    expected: String,
-    found: String,
-}
+/// What a line should be by its keyword, and what it is.
+type Wrong = (String, String);
 
 fn wrong(expected: &str, found: &str) -> Wrong {
-    Wrong {
-        expected: expected.into(),
-        found: format!("\"{}\"", found.chars().take(40).collect::<String>()),
-    }
+    let found: String = found.chars().take(40).collect();
+    (expected.into(), format!("\"{found}\""))
 }
 
 /// A surface under construction.
@@ -128,11 +119,8 @@ struct Reader {
 
 fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileError> {
     let mut reader = Reader::default();
-    let at = |line: usize, Wrong { expected, found }: Wrong| FileError::Expected {
-        path: path.to_path_buf(),
-        place: format!("line {}", line + 1),
-        expected,
-        found,
+    let at = |line: usize, (expected, found): Wrong| {
+        FileError::expected(path, format!("line {}", line + 1), expected, found)
     };
     for (index, line) in text.lines().enumerate() {
         reader.line(index, line).map_err(|error| at(index, error))?;
@@ -151,12 +139,8 @@ fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileErro
         }
     }
     if shape.faces.is_empty() {
-        return Err(FileError::Expected {
-            path: path.to_path_buf(),
-            place: "the file".into(),
-            expected: "an OBJ file with faces (f A B C ...)".into(),
-            found: "none".into(),
-        });
+        let expected = "an OBJ file with faces (f A B C ...)";
+        return Err(FileError::expected(path, "the file", expected, "none"));
     }
     let doubt =
         "crease comments (#e) that say otherwise than one before for the same edge, left out";

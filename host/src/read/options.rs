@@ -52,12 +52,7 @@ impl ReadOptions {
     /// If the tolerance is no positive length, or the format has no use for an option.
     pub(super) fn check(&self, path: &Path, format: Format) -> Result<(), FileError> {
         let wrong = |place: &str, expected: &str, found: String| {
-            Err(FileError::Expected {
-                path: path.to_path_buf(),
-                place: place.into(),
-                expected: expected.into(),
-                found,
-            })
+            Err(FileError::expected(path, place, expected, found))
         };
         // An STL file is no drawing, and the reader of FOLD says so.
         let format = match format {

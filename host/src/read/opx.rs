@@ -10,6 +10,7 @@ use std::path::Path;
 use nalgebra::Vector2;
 use usvg::roxmltree::{Document, Error, Node, ParsingOptions};
 
+use super::error::Wrong;
 use super::segments::{LooseLines, MOST, Segment, pattern_file};
 use super::{FileError, ReadOptions, svg};
 use crate::pattern::Letter;
@@ -22,9 +23,6 @@ const NODES: u32 = 1 << 23;
 /// Largest number of characters of a file's text that an error shows.
 const SHOWN: usize = 40;
 
-/// Place of an error in the text, the value expected at that place and the value found.
-type Wrong = (String, String, String);
-
 /// Parses a crease pattern from the text of a file. The file names no angles, so its creases have no goals.
 ///
 /// # Errors
@@ -35,12 +33,8 @@ pub(super) fn parse_pattern(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let (lines, title) = lines(text).map_err(|(place, expected, found)| FileError::Expected {
-        path: path.to_path_buf(),
-        place,
-        expected,
-        found,
-    })?;
+    let told = |(place, expected, found)| FileError::expected(path, place, expected, found);
+    let (lines, title) = lines(text).map_err(told)?;
     let mut file = pattern_file(path, lines, options, watch)?;
     if let Some(title) = title {
         file.title = title;
@@ -50,10 +44,7 @@ pub(super) fn parse_pattern(
 
 /// Returns the lines of the drawing and its title, if it has one.
 fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
-    svg::check_text(text).map_err(|found| {
-        let expected = "less of it".into();
-        ("the drawing".to_string(), expected, found)
-    })?;
+    svg::check_text(text)?;
     // Without a document type there are no entities to expand.
     let parsing = ParsingOptions {
         nodes_limit: NODES,

@@ -169,11 +169,8 @@ impl Reader<'_> {
         segments: Vec<Segment>,
         tolerance: Option<f64>,
     ) -> Result<RepairedDrawing, FileError> {
-        let expected = |expected: String, found: String| FileError::Expected {
-            path: self.path.to_path_buf(),
-            place: "the drawing".into(),
-            expected,
-            found,
+        let expected = |expected: String, found: String| {
+            FileError::expected(self.path, "the drawing", expected, found)
         };
         let finite = |segment: &Segment| {
             let coordinates = segment.ends.iter().flat_map(|end| end.iter());

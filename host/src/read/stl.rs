@@ -19,28 +19,19 @@ const TRIANGLE: usize = 50;
 /// # Errors
 /// If the bytes are not STL, or hold no triangles.
 pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileError> {
-    let expected = |place: String, expected: &str, found: String| FileError::Expected {
-        path: path.to_path_buf(),
-        place,
-        expected: expected.into(),
-        found,
-    };
     let corners = match binary(bytes) {
         Some(corners) => corners,
         None => match core::str::from_utf8(bytes) {
             Ok(text) if text.trim_start().starts_with("solid") => {
                 ascii(text).map_err(|(line, what, found)| {
                     let found = found.chars().take(40).collect::<String>();
-                    expected(format!("line {line}"), what, format!("\"{found}\""))
+                    FileError::expected(path, format!("line {line}"), what, format!("\"{found}\""))
                 })?
             }
             _ => {
                 let what = "an STL file: text that begins with \"solid\", or 84 bytes and 50 for each triangle";
-                return Err(expected(
-                    "the file".into(),
-                    what,
-                    format!("{} bytes", bytes.len()),
-                ));
+                let found = format!("{} bytes", bytes.len());
+                return Err(FileError::expected(path, "the file", what, found));
             }
         },
     };
@@ -48,14 +39,12 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
     if let Some(corner) = corners.iter().position(bad) {
         let place = format!("triangle {}", corner / 3);
         let found = format!("{:?}", corners[corner].as_slice());
-        return Err(expected(place, "coordinates from -1e50 to 1e50", found));
+        let expected = "coordinates from -1e50 to 1e50";
+        return Err(FileError::expected(path, place, expected, found));
     }
     if corners.is_empty() {
-        return Err(expected(
-            "the file".into(),
-            "at least one triangle",
-            "none".into(),
-        ));
+        let expected = "at least one triangle";
+        return Err(FileError::expected(path, "the file", expected, "none"));
     }
     let faces = (0..corners.len() / 3).map(|face| vec![3 * face, 3 * face + 1, 3 * face + 2]);
     let soup = FoldedShape {
@@ -71,13 +60,8 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
     })
 }
 
-/// Returns `true` if the bytes are as many as a binary file of its number of triangles has.
-pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    triangles(bytes).is_some()
-}
-
 /// Returns the triangles of a binary file, or `None` if the length of the file does not agree with their number.
-fn triangles(bytes: &[u8]) -> Option<&[u8]> {
+pub(super) fn triangles(bytes: &[u8]) -> Option<&[u8]> {
     let (count, triangles) = bytes.get(HEADER..)?.split_first_chunk()?;
     let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;
     (triangles.len() == count.checked_mul(TRIANGLE)?).then_some(triangles)

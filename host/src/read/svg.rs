@@ -21,9 +21,11 @@ use nalgebra::Vector2;
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
+use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
 use super::segments::{LooseLines, MOST, Segment, pattern_file};
 use super::{FileError, ReadOptions};
+use crate::colours::hex;
 use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -41,15 +43,8 @@ pub(super) fn parse_pattern(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let error = |place: String, expected: &str, found: String| FileError::Expected {
-        path: path.to_path_buf(),
-        place,
-        expected: expected.into(),
-        found,
-    };
-    effort::of_text(text).map_err(|found| error("the drawing".into(), "less of it", found))?;
-    let told = |(place, expected, found): Wrong| error(place, &expected, found);
-    let (tree, mut notes) = tree(text).map_err(told)?;
+    let told = |(place, expected, found)| FileError::expected(path, place, expected, found);
+    let (tree, mut notes) = check_text(text).and_then(|()| tree(text)).map_err(told)?;
     let strokes = strokes(tree.root(), &options.colours).map_err(told)?;
 
     for chosen in options.colours.iter() {
@@ -133,13 +128,11 @@ pub(super) fn parse_pattern(
     pattern_file(path, lines, options, watch)
 }
 
-/// Checks that the text of an XML file asks for a bounded amount of work. The error describes the excess.
-pub(super) fn check_text(text: &str) -> Result<(), String> {
-    effort::of_text(text)
+/// Checks that the text of an XML file asks for a bounded amount of work.
+pub(super) fn check_text(text: &str) -> Result<(), Wrong> {
+    let wrong = |found| ("the drawing".into(), "less of it".into(), found);
+    effort::of_text(text).map_err(wrong)
 }
-
-/// Place of an error, the value expected at that place and the value found.
-type Wrong = (String, String, String);
 
 /// Style sheet that spares usvg needless work: only the course of strokes is read.
 const UNUSED: &str = "* { fill: none !important; marker: none !important; filter: none !important; \
@@ -246,11 +239,6 @@ fn hue([red, green, blue]: [u8; 3]) -> Option<usize> {
     )]
     let nearest = (hue + 6.5) as usize % 6;
     Some(nearest)
-}
-
-/// Returns a colour as #rrggbb.
-fn hex([red, green, blue]: [u8; 3]) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 impl Kind {

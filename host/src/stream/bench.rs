@@ -3,26 +3,17 @@
 use std::io;
 
 use foldpath_core::follower::{Denial, State};
-use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::key::Key;
-use foldpath_core::wire::message::{Command, Item, ToHost};
-use foldpath_core::wire::sender::{self, Failure, Phase, Sender, Source};
+use foldpath_core::wire::message::{Command, ToHost};
+use foldpath_core::wire::sender::{self, Failure, Phase, Sender};
 use thiserror::Error;
 
-use super::Link;
+use super::link::{Link, Nothing, send};
 use super::session::MAX_BYTES;
 
 /// Time for a message that tells of a hinge, microseconds. A controller tells every 20 ms, and less often on a slow line.
 const PATIENCE: u64 = 500_000;
-
-/// A host that sends no items.
-struct Nothing;
-
-impl Source for Nothing {
-    fn item<'b>(&self, _: u64, _: &'b mut [u8]) -> Option<Item<'b>> {
-        None
-    }
-}
 
 /// Angles of the hinge that is watched or moved, radians, with the sign of the hinge itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -123,14 +114,11 @@ impl<L: Link> Bench<L> {
     /// If the line breaks, or the session is over.
     pub fn round(&mut self) -> Result<(), BenchError> {
         let (mut scratch, mut buffer) = ([0; 64], [0; 64]);
-        let mut bytes = Vec::new();
         while self.link.is_free() {
             let now = self.link.now();
             let frame = self.sender.poll(now, &Nothing, &mut scratch, &mut buffer);
             let Some(frame) = frame else { break };
-            bytes.clear();
-            cobs::encode(frame, |byte| bytes.push(byte));
-            self.link.write(&bytes)?;
+            send(&mut self.link, frame)?;
         }
         self.link.wait()?;
         for _ in 0..MAX_BYTES {

@@ -2,6 +2,10 @@
 
 use std::io;
 
+use foldpath_core::wire::cobs;
+use foldpath_core::wire::message::Item;
+use foldpath_core::wire::sender::Source;
+
 /// A byte stream to a controller and back. No function blocks but [`wait`](Self::wait).
 pub trait Link {
     /// Returns the time in microseconds since some fixed moment.
@@ -60,5 +64,22 @@ impl<L: Link + ?Sized> Link for &mut L {
 
     fn stop(&mut self) -> io::Result<bool> {
         (**self).stop()
+    }
+}
+
+/// Writes a frame to a link; returns its number of bytes on the line.
+pub(super) fn send(link: &mut impl Link, frame: &[u8]) -> io::Result<u64> {
+    let mut bytes = Vec::new();
+    cobs::encode(frame, |byte| bytes.push(byte));
+    link.write(&bytes)?;
+    Ok(bytes.len() as u64)
+}
+
+/// A host that sends no items.
+pub(super) struct Nothing;
+
+impl Source for Nothing {
+    fn item<'b>(&self, _: u64, _: &'b mut [u8]) -> Option<Item<'b>> {
+        None
     }
 }

@@ -2,13 +2,13 @@
 
 use std::io;
 
-use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::key::Key;
-use foldpath_core::wire::message::{Item, ToDevice};
-use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
+use foldpath_core::wire::message::ToDevice;
+use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 
-use super::Link;
+use super::link::{Link, Nothing, send};
 
 /// Time for a session to open, microseconds.
 const PATIENCE: u64 = 2_000_000;
@@ -28,15 +28,6 @@ pub enum Pairing {
     NoDevice,
     /// A controller answers that speaks another version of the protocol.
     Version(Failure),
-}
-
-/// A host that sends no items.
-struct Nothing;
-
-impl Source for Nothing {
-    fn item<'b>(&self, _: u64, _: &'b mut [u8]) -> Option<Item<'b>> {
-        None
-    }
 }
 
 /// Sends a key to a controller that has none, and then opens a session with it. A controller that has this key already is
@@ -63,7 +54,7 @@ pub fn pair(link: &mut impl Link, key: Key, nonce: u64) -> io::Result<Pairing> {
             let mut buffer = [0; 64];
             let message = ToDevice::Pair(key.bytes());
             if let Some(frame) = frame::seal(plain.0.session(), &message, &mut buffer) {
-                write(link, frame)?;
+                send(link, frame)?;
             }
         }
         if open(link, &mut keyed.0.with_key(key, keyed.1))? {
@@ -86,7 +77,7 @@ fn open(link: &mut impl Link, sender: &mut Sender) -> io::Result<bool> {
         if link.is_free()
             && let Some(frame) = sender.poll(link.now(), &Nothing, &mut scratch, &mut buffer)
         {
-            write(link, frame)?;
+            send(link, frame)?;
         }
         link.wait()?;
         while let Some(byte) = link.read()? {
@@ -99,10 +90,4 @@ fn open(link: &mut impl Link, sender: &mut Sender) -> io::Result<bool> {
         }
     }
     Ok(false)
-}
-
-fn write(link: &mut impl Link, frame: &[u8]) -> io::Result<()> {
-    let mut bytes = Vec::new();
-    cobs::encode(frame, |byte| bytes.push(byte));
-    link.write(&bytes)
 }

@@ -3,13 +3,13 @@
 use std::io;
 
 use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
-use foldpath_core::wire::cobs;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::sender::{self, Phase};
 
-use super::{Ending, Link, StreamPath};
+use super::link::{Link, send};
+use super::{Ending, StreamPath};
 
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
 const PATIENCE: u64 = 1_000_000;
@@ -320,14 +320,10 @@ impl Session<'_> {
     /// Sends all frames that are due, then waits.
     fn exchange(&mut self, link: &mut impl Link) -> io::Result<()> {
         let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
-        let mut bytes = Vec::new();
         while link.is_free() {
             let frame = self.driver.poll(link.now(), &mut scratch, &mut buffer);
             let Some(frame) = frame else { break };
-            bytes.clear();
-            cobs::encode(frame, |byte| bytes.push(byte));
-            self.bytes += bytes.len() as u64;
-            link.write(&bytes)?;
+            self.bytes += send(link, frame)?;
         }
         link.wait()
     }

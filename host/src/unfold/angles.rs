@@ -180,7 +180,7 @@ fn against_letters(shape: &FoldedShape, surface: &Surface, doubt: f64) -> Vec<bo
         };
         let measured = measured(shape, surface, edge, sides);
         if measured.abs() > doubt && PI - measured.abs() > doubt {
-            let part = surface.part_of_faces()[sides[0].face];
+            let part = surface.parts[sides[0].face];
             votes[part] += if said * measured > 0.0 { 1 } else { -1 };
         }
     }

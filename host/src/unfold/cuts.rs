@@ -31,7 +31,7 @@ pub(super) fn order(
     let joints = edges.filter_map(|(index, edge)| Some((index, edge.joint()?)));
     let key = |(index, [a, b]): (usize, [super::surface::Side; 2])| {
         let folded = creases.angles[index].abs() > 0.0;
-        let whole = surface.part_is_disc(surface.part_of_faces()[a.face]);
+        let whole = surface.discs[surface.parts[a.face]];
         let level = levels[a.face] + levels[b.face];
         (folded && !whole, cut[index], level, index)
     };

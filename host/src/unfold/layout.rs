@@ -53,14 +53,14 @@ impl Layout {
                 return false;
             };
             let (a_ends, b_ends) = (surface.corners(a), surface.corners(b));
-            let part = surface.part_of_faces()[a.face];
-            let near = if surface.part_is_closed(part) {
+            let part = surface.parts[a.face];
+            let near = if surface.closed[part] {
                 slope * (laid[a_ends[1]] - laid[a_ends[0]]).norm()
             } else {
                 near
             };
             let mut ends = a_ends.into_iter().zip(b_ends);
-            surface.part_is_disc(part) || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
+            surface.discs[part] || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
         });
         let joined: Vec<bool> = joined.collect();
         let points = surface.points_where(&joined);
@@ -107,7 +107,7 @@ impl Layout {
             goal: None,
         };
         drawing.edges.extend(second_sides.into_iter().map(boundary));
-        let faces = 0..surface.faces().len();
+        let faces = 0..surface.faces.len();
         let cycle = |face| surface.cycle(face).into_iter().map(name).collect();
         drawing.faces = Some(faces.map(cycle).collect());
         (drawing, sources.into_iter().map(|(v, _)| v).collect())
@@ -179,8 +179,8 @@ pub(super) fn edge_name([a, b]: [usize; 2]) -> String {
 /// Returns a middle face of each part, and for each face the number of edges on the shortest path from that middle
 /// face.
 fn levels(surface: &Surface) -> (Vec<usize>, Vec<usize>) {
-    let neighbours = neighbours(surface, |_| true);
-    let count = surface.faces().len();
+    let neighbours = surface.neighbours();
+    let count = surface.faces.len();
     let mut roots = Vec::new();
     let mut levels = vec![usize::MAX; count];
     let mut scratch = vec![usize::MAX; count];
@@ -195,9 +195,9 @@ fn levels(surface: &Surface) -> (Vec<usize>, Vec<usize>) {
         let mut middle = last(&forth);
         let depth = scratch[middle];
         while scratch[middle] > depth / 2 {
-            let nearer = |face: &&usize| scratch[**face] < scratch[middle];
+            let nearer = |(face, _): &&(usize, bool)| scratch[*face] < scratch[middle];
             match neighbours[middle].iter().find(nearer) {
-                Some(&face) => middle = face,
+                Some(&(face, _)) => middle = face,
                 None => break,
             }
         }
@@ -215,14 +215,18 @@ fn last(order: &[usize]) -> usize {
 
 /// Returns the faces of a part in breadth-first order from `start`, and stores in `distance` each face's number of
 /// steps.
-fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]) -> Vec<usize> {
+fn breadth_first(
+    neighbours: &[Vec<(usize, bool)>],
+    start: usize,
+    distance: &mut [usize],
+) -> Vec<usize> {
     let mut order = vec![start];
     let mut next = 0;
     // Resets the distances that an earlier search of the part stored.
     let mut part = vec![start];
     distance[start] = usize::MAX;
     while let Some(face) = part.pop() {
-        for &other in &neighbours[face] {
+        for &(other, _) in &neighbours[face] {
             if distance[other] != usize::MAX {
                 distance[other] = usize::MAX;
                 part.push(other);
@@ -232,7 +236,7 @@ fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]
     distance[start] = 0;
     while let Some(&face) = order.get(next) {
         next += 1;
-        for &other in &neighbours[face] {
+        for &(other, _) in &neighbours[face] {
             if distance[other] == usize::MAX {
                 distance[other] = distance[face] + 1;
                 order.push(other);
@@ -242,24 +246,10 @@ fn breadth_first(neighbours: &[Vec<usize>], start: usize, distance: &mut [usize]
     order
 }
 
-/// Returns for each face the faces beyond those of its joints that `asked` selects.
-fn neighbours(surface: &Surface, asked: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
-    let mut neighbours = vec![Vec::new(); surface.faces().len()];
-    let edges = surface.edges.iter().enumerate();
-    for [a, b] in edges
-        .filter(|(index, _)| asked(*index))
-        .filter_map(|(_, edge)| edge.joint())
-    {
-        neighbours[a.face].push(b.face);
-        neighbours[b.face].push(a.face);
-    }
-    neighbours
-}
-
 /// Returns the positions of all corners with each face laid across one edge. Edges join faces in the given order, as
 /// long as they close no ring.
 fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
-    let count = surface.faces().len();
+    let count = surface.faces.len();
     let mut groups = UnionFind::new(count);
     let mut beyond = vec![Vec::new(); count];
     for &index in order {
@@ -271,7 +261,7 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
             beyond[b.face].push((b, a));
         }
     }
-    let mut laid = surface.local().to_vec();
+    let mut laid = surface.local.to_vec();
     let mut done = vec![false; count];
     for &root in roots {
         done[root] = true;
@@ -284,10 +274,10 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
                 done[there.face] = true;
                 open.push_back(there.face);
                 let places = surface.corners(here).map(|corner| laid[corner]);
-                let ends = surface.corners(there).map(|corner| surface.local()[corner]);
+                let ends = surface.corners(there).map(|corner| surface.local[corner]);
                 let motion = Motion::fit(ends.into_iter().zip(places));
                 for corner in surface.corner_range(there.face) {
-                    laid[corner] = motion.apply(surface.local()[corner]);
+                    laid[corner] = motion.apply(surface.local[corner]);
                 }
             }
         }
@@ -317,13 +307,13 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
         if moved <= still || round == ROUNDS {
             return;
         }
-        for face in 0..surface.faces().len() {
+        for face in 0..surface.faces.len() {
             let range = surface.corner_range(face);
-            let local = &surface.local()[range.clone()];
+            let local = &surface.local[range.clone()];
             let places = laid[range.clone()].iter().copied();
             let motion = Motion::fit(local.iter().copied().zip(places));
             for corner in range {
-                laid[corner] = motion.apply(surface.local()[corner]);
+                laid[corner] = motion.apply(surface.local[corner]);
             }
         }
     }
@@ -336,8 +326,8 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
     }
     let space = SPACE * diagonal(laid);
     let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; surface.parts()];
-    let part = |face: usize| surface.part_of_faces()[face];
-    for face in 0..surface.faces().len() {
+    let part = |face: usize| surface.parts[face];
+    for face in 0..surface.faces.len() {
         for corner in surface.corner_range(face) {
             let [low, high] = &mut bounds[part(face)];
             *low = low.min(laid[corner].x);
@@ -350,7 +340,7 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
         *shift = end + space - low;
         end = high + *shift;
     }
-    for face in 0..surface.faces().len() {
+    for face in 0..surface.faces.len() {
         for corner in surface.corner_range(face) {
             laid[corner].x += shifts[part(face)];
         }

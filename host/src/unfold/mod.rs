@@ -166,7 +166,7 @@ pub struct Unfolding {
 /// # Errors
 /// If the shape is no surface with two sides, made of flat faces.
 pub fn unfold(shape: &FoldedShape, options: &UnfoldOptions) -> Result<Unfolding, ShapeError> {
-    unfold_within(shape, options, Watch::default())
+    unfold_watched(shape, options, &Progress::default())
 }
 
 /// Unfolds a shape as [`unfold`] does, until `progress` is cancelled. The call ends after the present way to cut.
@@ -178,14 +178,7 @@ pub fn unfold_watched(
     options: &UnfoldOptions,
     progress: &Progress,
 ) -> Result<Unfolding, ShapeError> {
-    unfold_within(shape, options, Watch::new(progress))
-}
-
-fn unfold_within(
-    shape: &FoldedShape,
-    options: &UnfoldOptions,
-    watch: Watch<'_>,
-) -> Result<Unfolding, ShapeError> {
+    let watch = Watch::new(progress);
     let mut notes = Vec::new();
     let mut surface = Surface::new(shape, options.max_defect, &mut notes)?;
     let creases = Creases::measure(shape, &mut surface, options.max_defect, &mut notes);
@@ -194,7 +187,7 @@ fn unfold_within(
         reason: None,
         drawing: None,
         vertices: surface.vertices(),
-        faces: surface.faces().len(),
+        faces: surface.faces.len(),
         creases: creases.hinges(),
         cuts: 0,
         pieces: 0,
@@ -285,34 +278,24 @@ fn measure(
 
 /// Returns two overlapping faces of a drawing, if the error is about an overlap.
 fn overlapping(error: &PatternError, drawing: &Drawing) -> Option<[usize; 2]> {
-    let faces = || drawing.faces.iter().flatten().enumerate();
-    let at_edge = |edge: usize| {
-        let [a, b] = drawing.edges[edge].ends;
-        let has = move |(_, cycle): &(usize, &Vec<usize>)| cycle.contains(&a) && cycle.contains(&b);
-        faces().filter(has).map(|(f, _)| f)
+    let at = |vertices: &[usize]| -> Vec<usize> {
+        let faces = drawing.faces.iter().flatten().enumerate();
+        let has = |cycle: &[usize]| vertices.iter().all(|vertex| cycle.contains(vertex));
+        faces
+            .filter(|(_, cycle)| has(cycle))
+            .map(|(face, _)| face)
+            .collect()
     };
-    let at_vertex = |vertex: usize| {
-        let has = faces().filter(move |(_, cycle)| cycle.contains(&vertex));
-        has.map(|(face, _)| face)
+    let ends = |edge: usize| drawing.edges[edge].ends;
+    let [first, second] = match *error {
+        PatternError::Crossing { edge, other } | PatternError::Duplicate { edge, other } => {
+            [edge, other].map(|edge| at(&ends(edge)))
+        }
+        PatternError::OnEdge { edge, vertex } => [at(&ends(edge)), at(&[vertex])],
+        PatternError::BrokenStar { vertex } => [(); 2].map(|()| at(&[vertex])),
+        PatternError::Overlap { first, second, .. } => return Some([first, second]),
+        _ => return None,
     };
-    let two = |a: Option<usize>, mut others: Box<dyn Iterator<Item = usize> + '_>| {
-        Some([a?, others.find(|other| Some(*other) != a)?])
-    };
-    match *error {
-        PatternError::Crossing { edge, other } => {
-            two(at_edge(edge).next(), Box::new(at_edge(other)))
-        }
-        PatternError::OnEdge { edge, vertex } => {
-            two(at_edge(edge).next(), Box::new(at_vertex(vertex)))
-        }
-        PatternError::Overlap { first, second, .. } => Some([first, second]),
-        PatternError::BrokenStar { vertex } => {
-            let mut round = at_vertex(vertex);
-            Some([round.next()?, round.next()?])
-        }
-        PatternError::Duplicate { edge, other } => {
-            two(at_edge(edge).next(), Box::new(at_edge(other)))
-        }
-        _ => None,
-    }
+    let first = *first.first()?;
+    Some([first, second.into_iter().find(|other| *other != first)?])
 }

@@ -47,26 +47,27 @@ impl SurfaceEdge {
 }
 
 /// A surface of flat faces, all oriented to the same side.
+#[derive(Default)]
 pub(super) struct Surface {
-    faces: Vec<Vec<usize>>,
+    pub(super) faces: Vec<Vec<usize>>,
     /// For each face the index of its first corner in the list of the corners of all faces.
     first: Vec<usize>,
     pub(super) edges: Vec<SurfaceEdge>,
     /// `true` if the order of a face's vertices runs clockwise, seen from above.
     turned: Vec<bool>,
     /// For each face the number of its part. Parts are connected components: different parts share at most points.
-    parts: Vec<usize>,
+    pub(super) parts: Vec<usize>,
     /// Unit normals in the file's order.
     normals: Vec<Vector3<f64>>,
     /// Positions of the corners in the planes of their faces, seen from above.
-    local: Vec<Vector2<f64>>,
+    pub(super) local: Vec<Vector2<f64>>,
     /// For each corner the first corner at the same point of the paper.
     points: Vec<usize>,
     /// Interior points with their angle defects, radians.
     defects: Vec<(usize, f64)>,
     /// For each part `true` if it has no boundary, and `true` if it is a disc.
-    closed: Vec<bool>,
-    discs: Vec<bool>,
+    pub(super) closed: Vec<bool>,
+    pub(super) discs: Vec<bool>,
 }
 
 impl Surface {
@@ -97,11 +98,7 @@ impl Surface {
             first,
             edges,
             normals,
-            local: Vec::new(),
-            points: Vec::new(),
-            defects: Vec::new(),
-            closed: Vec::new(),
-            discs: Vec::new(),
+            ..Self::default()
         };
         surface.turn_alike(notes)?;
         surface.measure(shape);
@@ -154,7 +151,7 @@ impl Surface {
     }
 
     /// Returns for each face the faces beyond its edges, with `true` if the vertices of both run the same way round.
-    fn neighbours(&self) -> Vec<Vec<(usize, bool)>> {
+    pub(super) fn neighbours(&self) -> Vec<Vec<(usize, bool)>> {
         let mut neighbours = vec![Vec::new(); self.faces.len()];
         for [a, b] in self.edges.iter().filter_map(SurfaceEdge::joint) {
             let alike = a.forward != b.forward;
@@ -270,11 +267,6 @@ impl Surface {
         }
     }
 
-    /// Returns the faces as in the file.
-    pub(super) fn faces(&self) -> &[Vec<usize>] {
-        &self.faces
-    }
-
     /// Returns the indices of a face's corners, counter-clockwise seen from above.
     pub(super) fn cycle(&self, face: usize) -> Vec<usize> {
         let mut cycle = self.corner_range(face).collect::<Vec<_>>();
@@ -294,29 +286,9 @@ impl Surface {
         self.faces.iter().flatten().copied()
     }
 
-    /// Returns the positions of all corners in the planes of their faces.
-    pub(super) fn local(&self) -> &[Vector2<f64>] {
-        &self.local
-    }
-
     /// Returns the number of parts.
     pub(super) fn parts(&self) -> usize {
         self.closed.len()
-    }
-
-    /// Returns the part of each face.
-    pub(super) fn part_of_faces(&self) -> &[usize] {
-        &self.parts
-    }
-
-    /// Returns `true` if a part is a disc, which is never cut.
-    pub(super) fn part_is_disc(&self, part: usize) -> bool {
-        self.discs[part]
-    }
-
-    /// Returns `true` if a part has no boundary.
-    pub(super) fn part_is_closed(&self, part: usize) -> bool {
-        self.closed[part]
     }
 
     /// Returns `true` if every part is a disc.

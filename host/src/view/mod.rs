@@ -6,6 +6,9 @@ mod scene;
 
 use serde::{Serialize, Serializer};
 
+use crate::check::WorstPair;
+use crate::pattern::FaceId;
+
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 /// Each script uses those before it.
@@ -27,7 +30,7 @@ pub struct Scene {
     #[serde(serialize_with = "flat")]
     pub vertices: Vec<[f64; 2]>,
     /// For each vertex a face that contains it, if any does.
-    pub vertex_faces: Vec<Option<u32>>,
+    pub vertex_faces: Vec<Option<FaceId>>,
     /// For each face the triangles that cover it, counter-clockwise seen from the front of the paper.
     pub faces: Vec<Vec<[u32; 3]>>,
     /// The two vertices of every edge of the pattern.
@@ -48,8 +51,9 @@ pub struct Scene {
     pub motion: SceneMotion,
     /// Shapes along the path in order of time, the knots among them; at least one.
     pub shapes: Vec<SceneShape>,
-    /// The pair of faces that comes nearest to each other, or that passes through each other.
-    pub worst_pair: Option<ScenePair>,
+    /// The pair of faces that comes nearest to each other, or that passes through each other; its distance is over the
+    /// median edge.
+    pub worst_pair: Option<WorstPair>,
     /// The planner's answer to a path that does not do all that was asked; `None` if it does, or the file has no answer.
     pub shortfall: Option<SceneShortfall>,
     /// Numbers of the knots at which another phase of the motion begins.
@@ -100,19 +104,6 @@ pub struct SceneShape {
     /// Smallest distance between faces that share no vertex, over the median edge; `None` if faces cross or the
     /// distance is not known.
     pub clearance: Option<f64>,
-}
-
-/// The two faces that come nearest to each other, or pass through each other.
-#[derive(Clone, Debug, Serialize)]
-pub struct ScenePair {
-    /// The faces.
-    pub faces: [u32; 2],
-    /// Path time in seconds.
-    pub time: f64,
-    /// Distance of the faces at that time, or depth of their crossing, over the median edge.
-    pub distance: f64,
-    /// `true` if the faces pass through each other.
-    pub crosses: bool,
 }
 
 /// The answer to a path that falls short of its goal, and the causes that are known.
@@ -173,7 +164,7 @@ mod tests {
         Scene {
             title: title.to_owned(),
             vertices: vec![[0.0, 0.0], [1.0 / 3.0, 0.0], [0.0, 1.0]],
-            vertex_faces: vec![Some(0); 3],
+            vertex_faces: vec![Some(FaceId(0)); 3],
             faces: vec![vec![[0, 1, 2]]],
             edges: vec![[0, 1]],
             letters: "B".to_owned(),

@@ -3,8 +3,8 @@
 use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::{Scene, SceneCause, SceneMotion, ScenePair, SceneShape, SceneShortfall};
-use crate::check::{MergedGroups, clearances_until_over, differing_hinge, measure};
+use super::{Scene, SceneCause, SceneMotion, SceneShape, SceneShortfall};
+use crate::check::{MergedGroups, WorstPair, clearances_until_over, differing_hinge, measure};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
@@ -17,17 +17,14 @@ impl Scene {
     /// Cost: folding and measuring all shapes, and a sweep for the nearest faces.
     #[must_use]
     pub fn of_path(path: &Motion) -> Self {
-        Self::until_over(path, Watch::default())
+        Self::of_path_watched(path, &Progress::default())
     }
 
     /// Computes the scene of a path and reports the progress to `progress`. Once cancelled, clearances not yet measured
     /// are left out.
     #[must_use]
     pub fn of_path_watched(path: &Motion, progress: &Progress) -> Self {
-        Self::until_over(path, Watch::new(progress))
-    }
-
-    fn until_over(path: &Motion, watch: Watch<'_>) -> Self {
+        let watch = Watch::new(progress);
         let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
         let tree = SpanningTree::from_central_face(pattern);
@@ -54,7 +51,7 @@ impl Scene {
             title: path.title.clone(),
             vertices: pattern.vertices().iter().map(|&v| v.into()).collect(),
             vertex_faces: (pattern.corners().iter())
-                .map(|faces| Some(faces.first()?.0))
+                .map(|faces| faces.first().copied())
                 .collect(),
             faces: (pattern.triangles().iter())
                 .map(|face| face.iter().map(|t| t.map(|v| v.0)).collect())
@@ -70,11 +67,9 @@ impl Scene {
             tree: steps(pattern, &tree),
             motion: motion(path, &members),
             shapes: shapes.collect(),
-            worst_pair: clearances.worst.map(|pair| ScenePair {
-                faces: pair.faces.map(|face| face.0),
-                time: pair.time,
+            worst_pair: clearances.worst.map(|pair| WorstPair {
                 distance: over_edge(pair.distance),
-                crosses: pair.crosses,
+                ..pair
             }),
             shortfall: shortfall(path, watch),
             phases: path.phases.clone(),

@@ -38,7 +38,7 @@ fn strip(squares: usize) -> CreasePattern {
 fn clearance(pattern: &CreasePattern, angles: &[f64]) -> Option<f64> {
     let members: Vec<_> = (0..).take(angles.len()).map(alone).collect();
     let still = angles.iter().map(|&angle| Curve::Angle([angle; 4]));
-    let mut sweep = Sweep::new(pattern, &members, SweepOptions::default());
+    let mut sweep = Sweep::new(pattern, &members, SweepOptions::default(), None);
     match sweep.sweep(&[still.collect()]) {
         SweepVerdict::Free(nearest) => nearest.map(|nearest| nearest.distance),
         other => panic!("{other:?}"),

@@ -12,7 +12,8 @@ use foldpath::export::fold::pattern_text;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
-use foldpath::read::fold::{parse_goal, parse_motion, read_motion, read_pattern};
+use foldpath::read::fold::{parse_goal, parse_motion, read_motion};
+use foldpath::read::read_pattern;
 use foldpath::read::{FileError, parse_pattern, parse_shape};
 use foldpath::unfold::{UnfoldOptions, unfold};
 use foldpath::view::{Scene, page};
@@ -314,7 +315,7 @@ fn mutated_seeds_are_read_or_refused() {
     }
     for folder in ["obj", "stl", "shape"] {
         for_mutated_seeds(folder, |path, bytes| {
-            let file = parse_shape(path, bytes, None)?;
+            let file = parse_shape(path, bytes, None, None)?;
             drop(unfold(&file.shape, &UnfoldOptions::default()).map_err(|error| error.to_string()));
             Ok(())
         });

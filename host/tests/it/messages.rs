@@ -1,8 +1,11 @@
-//! The sentences of the planner's reasons and notes.
+//! The sentences of the planner's reasons and notes, and of the findings of a check.
 
+use foldpath::check::{Failure, GroupQuantity, Moment, RateLimit, SheetError};
+use foldpath::collision::Crossing;
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
 use foldpath::planner::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
+use foldpath_core::GroupId;
 
 const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
 
@@ -314,5 +317,137 @@ fn notes_are_sentences() {
     ];
     for (note, sentence) in all {
         assert_eq!(note.to_string(), sentence);
+    }
+}
+
+#[test]
+fn findings_are_sentences() {
+    use foldpath::check::Undecided;
+    let [vertex, at] = [
+        ClosureSite::Vertex(VertexId(3)),
+        ClosureSite::Vertex(VertexId(4)),
+    ];
+    let between = Moment::Between {
+        segment: 2,
+        s: 0.25,
+    };
+    let (claimed, found) = (1e-9, 2e-3);
+    let failures = [
+        (
+            Failure::BoundIsNotANumber,
+            "bound: expected a number, found NaN, which nothing exceeds",
+        ),
+        (
+            Failure::GroupDiffers {
+                knot: 1,
+                edges: [EdgeId(2), EdgeId(5)],
+                group: GroupId(0),
+                quantity: GroupQuantity::Weight,
+                values: [1.0, 0.5],
+            },
+            "knot 1: edges 2 and 5 are in group 0, but have weights of 1 and 0.5, signs applied",
+        ),
+        (
+            Failure::FalseClaim {
+                knot: 1,
+                error: SheetError::Gap,
+                claimed,
+                found,
+            },
+            "knot 1: the file claims a gap of 1.000e-9, but it is 2.000e-3",
+        ),
+        (
+            Failure::FalseRate {
+                limit: RateLimit::Speed,
+                claimed: 1.0_f64.to_radians(),
+                found: f64::INFINITY,
+            },
+            "the file claims a largest speed of 1.000e0 degrees per second, but hinges change their speed at once",
+        ),
+        (
+            Failure::FalseClearance {
+                knot: 1,
+                claimed,
+                found,
+            },
+            "knot 1: the file claims a clearance of 1.000e-9, but it is 2.000e-3",
+        ),
+        (
+            Failure::FalseBound { claimed, found },
+            "the file says that it was planned within the bound 1.000e-9, but has errors of 2.000e-3",
+        ),
+        (
+            Failure::OverBound {
+                at: between,
+                error: SheetError::Deformation,
+                value: found,
+                bound: claimed,
+                open: Some((VertexId(7), 0.5)),
+            },
+            "between knots 2 and 3, at 0.250: deformation 2.000e-3 over the bound 1.000e-9; vertex 7 fails to close by \
+             5.000e-1",
+        ),
+        (
+            Failure::FailsToClose {
+                at: Moment::Knot(1),
+                site: Some(vertex),
+                residual: found,
+                bound: claimed,
+            },
+            "knot 1: vertex 3 fails to close by 2.000e-3, over the bound 1.000e-9",
+        ),
+        (
+            Failure::Crosses {
+                at: Moment::Knot(1),
+                crossing: Crossing {
+                    faces: [FaceId(1), FaceId(2)],
+                    depth: 0.5,
+                },
+                depth_edges: 0.25,
+            },
+            "knot 1: faces 1 and 2 pass through each other, 2.500e-1 median edges deep",
+        ),
+    ];
+    for (failure, sentence) in failures {
+        assert_eq!(failure.to_string(), sentence);
+    }
+    let undecided = [
+        (
+            Undecided::Errors {
+                segment: 2,
+                site: Some(at),
+                closure: 1e-3,
+                error: found,
+                bound: claimed,
+            },
+            "not certified: between knots 2 and 3, vertex 4 fails to close by up to 1.000e-3, and the sheet may deform or \
+             tear by 2.000e-3, over the bound 1.000e-9",
+        ),
+        (
+            Undecided::Angle {
+                at: between,
+                edge: EdgeId(6),
+            },
+            "not certified: between knots 2 and 3, at 0.250, the fold angle of edge 6 is not known, as its weights vanish",
+        ),
+        (
+            Undecided::Clearance { knot: 1, claimed },
+            "knot 1: the file claims a clearance of 1.000e-9, and measuring it would take too long",
+        ),
+        (
+            Undecided::Crossings {
+                at: between,
+                faces: Some([FaceId(1), FaceId(2)]),
+            },
+            "not certified: between knots 2 and 3, at 0.250, whether faces pass through each other takes too long to tell: \
+             faces 1 and 2",
+        ),
+        (
+            Undecided::Cancelled,
+            "cancelled before it was judged to its end",
+        ),
+    ];
+    for (open, sentence) in undecided {
+        assert_eq!(open.to_string(), sentence);
     }
 }

@@ -290,7 +290,7 @@ fn a_motion_of_no_numbers_is_never_free_of_crossings() {
         for curve in curves {
             let motion = vec![vec![curve; groups.len()]];
             let options = SweepOptions::default();
-            let verdict = Sweep::new(&pattern, groups.memberships(), options).sweep(&motion);
+            let verdict = Sweep::new(&pattern, groups.memberships(), options, None).sweep(&motion);
             assert!(
                 !matches!(verdict, SweepVerdict::Free(_)),
                 "{curve:?}: {verdict:?}"

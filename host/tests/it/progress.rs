@@ -103,7 +103,7 @@ fn a_cancelled_drawing_is_not_read() {
 #[test]
 fn a_cancelled_shape_is_not_unfolded() {
     let tent = "v 0 0 0\nv 2 0 0\nv 2 1 1\nv 0 1 1\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 5 6\n";
-    let shape = parse_shape("tent.obj".as_ref(), tent.as_bytes(), None).unwrap();
+    let shape = parse_shape("tent.obj".as_ref(), tent.as_bytes(), None, None).unwrap();
     let unfold =
         |progress: &Progress| unfold_watched(&shape.shape, &UnfoldOptions::default(), progress);
     assert!(unfold(&Progress::new()).unwrap().drawing.is_some());

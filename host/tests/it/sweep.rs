@@ -10,7 +10,7 @@ use foldpath::folding::{FoldingMap, SpanningTree};
 use foldpath::generate::Yoshimura;
 use foldpath::lattice::Lattice;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_core::{Curve, GroupId, Membership};
 use nalgebra::Vector2;
@@ -116,7 +116,7 @@ fn sweep(
     (pattern, memberships): &(CreasePattern, Vec<Membership>),
     motion: &Motion,
 ) -> SweepVerdict {
-    Sweep::new(pattern, memberships, SweepOptions::default()).sweep(motion)
+    Sweep::new(pattern, memberships, SweepOptions::default(), None).sweep(motion)
 }
 
 #[track_caller]
@@ -199,7 +199,8 @@ fn what_rounded_coordinates_explain_is_contact() {
     let (pattern, memberships) = &box_;
     for contact in [1e-9, 1e-6, 1e-5, 1e-4, 1e-3] {
         let options = SweepOptions::default().with(|it| it.contact = contact);
-        let (faces, s) = crossing_at(Sweep::new(pattern, memberships, options).sweep(&motion));
+        let (faces, s) =
+            crossing_at(Sweep::new(pattern, memberships, options, None).sweep(&motion));
         assert_eq!(faces, [FaceId(0), FaceId(3)]);
         let turned = (150.0 * s - 90.0).to_radians();
         let depth = contact * pattern.median_edge();
@@ -247,7 +248,7 @@ fn layers_that_touch_at_half_a_turn_are_contact() {
     let turn = [180.0, -180.0, 180.0];
     let motion = vec![turn.iter().map(|&angle| line(0.0, angle)).collect()];
     let (pattern, memberships) = &accordion;
-    let mut sweep = Sweep::new(pattern, memberships, SweepOptions::default());
+    let mut sweep = Sweep::new(pattern, memberships, SweepOptions::default(), None);
     assert!(clearance(sweep.sweep(&motion)) < 1e-6);
     assert!(sweep.counts().tested < 500, "{:?}", sweep.counts());
 }
@@ -283,7 +284,7 @@ fn layers_that_turn_nearly_alike_are_followed_together() {
             vec![line(0.0, 0.0), line(0.0, 180.0), line(0.0, 0.0)],
             vec![Curve::Angle([0.0, 0.5, 1.0, 1.5]), line(180.0, 180.0), back],
         ];
-        let mut sweep = Sweep::new(&flaps.0, &flaps.1, SweepOptions::default());
+        let mut sweep = Sweep::new(&flaps.0, &flaps.1, SweepOptions::default(), None);
         (sweep.sweep(&motion), sweep.counts().tested)
     };
     let (_, alike) = looks(0.0);
@@ -675,7 +676,7 @@ fn what_is_skipped_changes_no_verdict() {
     }
     for (case, ((pattern, memberships), motion)) in cases.iter().enumerate() {
         let all = SweepOptions::default();
-        let verdict = Sweep::new(pattern, memberships, all).sweep(motion);
+        let verdict = Sweep::new(pattern, memberships, all, None).sweep(motion);
         for options in [
             all.with(|it| it.skip_motion = false),
             all.with(|it| it.skip_bounds = false),
@@ -686,7 +687,7 @@ fn what_is_skipped_changes_no_verdict() {
                 it.skip_edges = false;
             }),
         ] {
-            let mut sweep = Sweep::new(pattern, memberships, options);
+            let mut sweep = Sweep::new(pattern, memberships, options, None);
             let other = sweep.sweep(motion);
             match (verdict, other) {
                 (SweepVerdict::Free(a), SweepVerdict::Free(b)) => {
@@ -717,10 +718,10 @@ fn with_a_lattice_a_few_pairs_stand_for_all() {
         let (pattern, memberships, motion) = folded(name);
         let lattice = Lattice::find(&pattern, &memberships).unwrap();
         let all = SweepOptions::default();
-        let verdict = Sweep::new(&pattern, &memberships, all).sweep(&motion);
+        let verdict = Sweep::new(&pattern, &memberships, all, None).sweep(&motion);
         for skip_motion in [true, false] {
             let options = all.with(|it| it.skip_motion = skip_motion);
-            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            let mut sweep = Sweep::new(&pattern, &memberships, options, Some(&lattice));
             match (verdict, sweep.sweep(&motion)) {
                 (SweepVerdict::Free(Some(a)), SweepVerdict::Free(Some(b))) => {
                     assert!(
@@ -769,7 +770,7 @@ fn without_the_motion_skip_no_time_is_passed_over_along_a_lattice() {
     for most in [20.0, 40.0, 80.0, 120.0, 160.0] {
         let found = [true, false].map(|skip_motion| {
             let options = SweepOptions::default().with(|it| it.skip_motion = skip_motion);
-            let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+            let mut sweep = Sweep::new(&pattern, &memberships, options, Some(&lattice));
             crossing_at(sweep.sweep(&[vec![line(0.0, most)]])).1
         });
         assert!((found[1] - found[0]).abs() < 1e-5, "{most}: {found:?}");
@@ -790,7 +791,7 @@ fn a_lattice_oblique_to_its_sheet_is_swept() {
     let (pattern, memberships, motion) = to_goal(pattern, "yoshimura");
     let lattice = Lattice::find(&pattern, &memberships).unwrap();
     let options = SweepOptions::default();
-    let mut sweep = Sweep::with_lattice(&pattern, &memberships, options, &lattice);
+    let mut sweep = Sweep::new(&pattern, &memberships, options, Some(&lattice));
     let verdict = sweep.sweep(&motion);
     let SweepVerdict::Crossing {
         at,

@@ -7,7 +7,7 @@ use crate::common::{miura, noise, waterbomb, yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath::progress::{Progress, Watch};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use nalgebra::{Rotation2, Vector2};
 use rand_pcg::Pcg64;

@@ -44,7 +44,7 @@ fn said<T>(read: Result<T, FileError>) -> Option<T> {
 
 /// Reads a folded shape and unfolds it.
 fn unfolded(name: &str, bytes: &[u8]) {
-    if let Some(file) = said(parse_shape(Path::new(name), bytes, None)) {
+    if let Some(file) = said(parse_shape(Path::new(name), bytes, None, None)) {
         let laid = unfold(&file.shape, &UnfoldOptions::default());
         drop(laid.map_err(|error| error.to_string()));
     }

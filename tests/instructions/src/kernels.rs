@@ -7,7 +7,7 @@ use foldpath::collision::CollisionScene;
 use foldpath::folding::{FoldingMap, SpanningTree, deformation};
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::CreaseGroups;
 
 mod follower;

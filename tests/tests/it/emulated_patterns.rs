@@ -8,7 +8,7 @@ use std::time::Instant;
 use foldpath::export::fold::motion_text;
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::{Outcome, PlanOptions};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::stream::StreamPath;
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, FollowerPosition, Options};

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use foldpath::folding::align_rigid;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Outcome, PlanOptions};
-use foldpath::read::fold::{PatternFile, read_pattern};
+use foldpath::read::fold::PatternFile;
+use foldpath::read::read_pattern;
 use foldpath::read::{ShapeFile, parse_shape, read_file};
 use foldpath::unfold::{self, UnfoldOptions, Unfolding, unfold};
 use foldpath_tests::{Animation, Planned, worst};
@@ -118,7 +119,7 @@ fn files_of_other_programs_get_their_answers() {
 
 /// Reads a folded shape and unfolds it.
 fn unfolded(file: &Path) -> (ShapeFile, Unfolding) {
-    let file = parse_shape(file, &read_file(file).unwrap(), None).unwrap();
+    let file = parse_shape(file, &read_file(file).unwrap(), None, None).unwrap();
     let unfolding = unfold(&file.shape, &UnfoldOptions::default()).unwrap();
     (file, unfolding)
 }

@@ -6,7 +6,7 @@ use foldpath::generate::{
 };
 use foldpath::pattern::Drawing;
 use foldpath::planner::{Outcome, PlanOptions};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath_tests::fold_spec::violations;
 use foldpath_tests::{Planned, pattern_file};
 use serde_json::{Value, json};

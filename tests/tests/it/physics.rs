@@ -9,7 +9,7 @@ use foldpath::generate::Miura;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use serde_json::Value;
 use tempfile::TempDir;
 

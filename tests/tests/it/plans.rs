@@ -3,7 +3,7 @@
 
 use foldpath::check::{CheckOptions, check};
 use foldpath::planner::{Outcome, Plan, PlanOptions, Timing};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath_core::Interpolation;
 use foldpath_tests::closed_form::Waterbomb;
 use foldpath_tests::{

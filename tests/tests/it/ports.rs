@@ -7,7 +7,7 @@ use std::path::Path;
 use foldpath::export::fold::motion_text;
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::{PlanOptions, Symmetry};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath_tests::{Planned, path_file};
 use object::{Object, ObjectSymbol};
 

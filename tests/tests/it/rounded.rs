@@ -4,7 +4,8 @@
 use foldpath::check::check;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge};
 use foldpath::planner::{CHOSEN_REACH, Outcome, Plan, PlanOptions};
-use foldpath::read::fold::{PatternFile, read_pattern};
+use foldpath::read::fold::PatternFile;
+use foldpath::read::read_pattern;
 use foldpath_tests::{Motion, Planned, Random, Sheet, path_file, pattern_file, strict, worst};
 use nalgebra::{Rotation2, Vector2};
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use foldpath::planner::{Goal, Plan, PlanOptions, Skips, plan};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 
 /// Largest number of faces of patterns that are tried with each switch alone.
 const SMALL: usize = 60;

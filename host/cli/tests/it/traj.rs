@@ -1,7 +1,7 @@
 //! Tests paths as controllers follow them: exported trajectories keep the limits for which the path was planned.
 
 use crate::common::{PATTERNS, folder, folder_with_path};
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::ReducedStars;
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, FollowerPosition, Options, State};

@@ -1084,7 +1084,7 @@ fn no_file_makes_it_panic() {
         }
         let path = folder.path().join(name);
         std::fs::write(&path, &bytes).unwrap();
-        let read = read_file(&path).and_then(|bytes| parse_shape(&path, &bytes, None));
+        let read = read_file(&path).and_then(|bytes| parse_shape(&path, &bytes, None, None));
         let answer = read.is_ok_and(|file| unfold(&file.shape, &UnfoldOptions::default()).is_ok());
         answers[usize::from(answer)] += 1;
         let _pattern = foldpath::read::read_pattern(&path);

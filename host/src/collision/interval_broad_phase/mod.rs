@@ -44,7 +44,7 @@ type Three<T> = [T; 3];
 
 /// The pieces of a sheet over an interval: their places at three times, boxes round them, and bounds on their
 /// deviation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
     /// For each cluster the panel that has all its pieces, if one has.
@@ -101,9 +101,6 @@ impl IntervalBroadPhase {
             panels: near::panels(&hinges, hierarchy, faces),
             hinges,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
-            curvatures: Vec::new(),
-            from: 0,
-            to: 0,
             angles: vec![0.0; groups],
             next: vec![0.0; groups],
             half_angles: vec![HalfAngle::default(); groups],
@@ -112,9 +109,7 @@ impl IntervalBroadPhase {
             deviations: vec![0.0; faces],
             poses: vec![Pose::identity(); faces],
             normals: [(); 3].map(|()| vec![Vector3::z(); faces]),
-            places: [(); 3].map(|()| Vec::new()),
-            boxes: Vec::new(),
-            open: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -44,7 +44,7 @@ pub(crate) struct CellPairs<'a> {
     /// Differences of cells woken so far, in order of waking (`offsets`) and sorted (`known`).
     offsets: Vec<Offset>,
     known: Vec<[i32; 2]>,
-    all_awake: bool,
+    pub(crate) all_awake: bool,
     /// For each row of differences, once requested: for each pair of orbits, the columns of differences that exist.
     columns: Vec<Option<Vec<RangeInclusive<i32>>>>,
 }
@@ -285,11 +285,6 @@ impl<'a> CellPairs<'a> {
         face: FaceId,
     ) -> (Pose, Vector2<f64>) {
         self.fold(motion, time);
-        self.pose_here(face)
-    }
-
-    /// Returns what [`pose`](Self::pose) does, for the current configuration.
-    pub(crate) fn pose_here(&mut self, face: FaceId) -> (Pose, Vector2<f64>) {
         let coord = self.lattice.coord(face);
         let origin = self.lattice.translation(coord.cell);
         let here = self.folded.pose(coord.orbit, [0, 0]);
@@ -384,11 +379,6 @@ impl<'a> CellPairs<'a> {
     /// Returns the number of pairs of pieces of two cells that are not followed one by one.
     pub(crate) fn left(&self, offset: u32) -> u64 {
         self.offsets[offset as usize].left
-    }
-
-    /// Returns `true` if all differences of cells have been woken.
-    pub(crate) fn are_all_awake(&self) -> bool {
-        self.all_awake
     }
 
     /// Returns a bound on how far two cells may approach each other within the next `count` tabulated times.

@@ -158,30 +158,11 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Creates the sweep of a sheet. `memberships` has the group and sign of each crease of the pattern;
-    /// creases without one stay flat. Cost: about O(faces log faces).
+    /// Creates the sweep of a sheet. `memberships` has the group and sign of each crease of the pattern; creases without
+    /// one stay flat. If the sheet closes all along its motions, and a lattice was found for these memberships, one pair
+    /// of faces stands for all that move alike. Cost: about O(faces log faces), with a lattice O(faces) with a small factor.
     #[must_use]
     pub fn new(
-        pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
-        options: SweepOptions,
-    ) -> Self {
-        Self::build(pattern, memberships, options, None)
-    }
-
-    /// Creates the sweep of a sheet that closes all along its motions, with its lattice found for these
-    /// memberships: one pair of faces stands for all that move alike. Cost: O(faces), with a small factor.
-    #[must_use]
-    pub fn with_lattice(
-        pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
-        options: SweepOptions,
-        lattice: &'a Lattice,
-    ) -> Self {
-        Self::build(pattern, memberships, options, Some(lattice))
-    }
-
-    pub(crate) fn build(
         pattern: &'a CreasePattern,
         memberships: &'a [Membership],
         options: SweepOptions,
@@ -448,7 +429,7 @@ impl<'a> Sweep<'a> {
             self.phase += usize::from(self.chains.keep_still(motion.still(segment)));
             self.bodies.clear();
             self.partners.clear();
-            if self.chains.still().is_empty() {
+            if self.chains.still.is_empty() {
                 return;
             }
             let found = self.comoving(motion, [time, end]);
@@ -481,7 +462,7 @@ impl<'a> Sweep<'a> {
             self.pattern,
             self.memberships,
             (motion, times),
-            chains.still(),
+            &chains.still,
             |edge| chains.tear(edge),
             |crease| folding.axis(motion, crease),
             [self.length, tolerance],

@@ -108,7 +108,7 @@ impl Sweep<'_> {
             self.add_roots(time);
             return QueryOutcome::Split;
         }
-        let touching = self.largest_contact();
+        let touching = self.contact.largest();
         let (pieces, hierarchy) = (&self.pieces, &self.hierarchy);
         let mut nearest = self.clearance;
         let best = |nearest: &Option<Clearance>| nearest.map_or(f64::INFINITY, |n| n.distance);
@@ -197,7 +197,7 @@ impl Sweep<'_> {
         let Some(woken) = cells.wake(motion, time, near) else {
             return QueryOutcome::Undecided;
         };
-        let is_last = woken.is_empty() && (best.is_finite() || cells.are_all_awake());
+        let is_last = woken.is_empty() && (best.is_finite() || cells.all_awake);
         for offset in woken {
             self.push([0, 0], Kind::Cells(offset), None, time);
         }
@@ -574,7 +574,7 @@ impl Sweep<'_> {
         };
         let corner = |k: usize| {
             let corners_of = self.pieces.list[pair.nodes[k] as usize].corners();
-            self.folding.corners(corners_of)[corners[k] as usize]
+            self.folding.folded[corners_of][corners[k] as usize]
         };
         (corner(0) - corner(1)).norm()
     }
@@ -592,11 +592,6 @@ impl Sweep<'_> {
     /// Returns `true` if two placed pieces are torn so far apart at their common vertex that nothing can be told of them.
     fn is_split(&self, pair: &Pair) -> bool {
         self.torn(pair) > MAX_TEAR_RATIO * self.pieces.smaller_size(pair.nodes)
-    }
-
-    /// Returns the largest depth up to which an overlap is contact, units of the sheet.
-    pub(super) fn largest_contact(&self) -> f64 {
-        self.contact.largest()
     }
 
     fn best(&self) -> f64 {
@@ -682,7 +677,7 @@ impl Sweep<'_> {
     /// Sums up the levers of a chain between two placed pieces, from the distances of their corners.
     fn gather_corners(&mut self, motion: &Motion, chain: &Chain, nodes: [u32; 2]) {
         let ranges = nodes.map(|node| self.pieces.list[node as usize].corners());
-        let corners = ranges.map(|range| self.folding.corners(range).to_vec());
+        let corners = ranges.map(|range| self.folding.folded[range].to_vec());
         self.gather(motion, chain, |side, axis| {
             let away = corners[side].iter().map(|corner| axis.distance(corner));
             away.fold(0.0, f64::max)

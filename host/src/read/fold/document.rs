@@ -2,32 +2,30 @@
 
 use std::path::{Path, PathBuf};
 
-use super::LARGEST_FILE;
 use super::json::{Json, Value};
-use crate::read::{FileError, read_bytes};
+use crate::read::FileError;
 
 /// A parsed FOLD file.
 pub(super) struct Document {
-    path: PathBuf,
+    pub(super) path: PathBuf,
     json: Json,
 }
 
 impl Document {
-    pub(super) fn read(path: &Path) -> Result<Self, FileError> {
-        Self::parse(path, &read_bytes(path, LARGEST_FILE)?)
-    }
-
     pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
         let path = path.to_path_buf();
         let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
         match Json::parse(text) {
             Ok(json) if json.root().is_object() => Ok(Self { path, json }),
-            Ok(json) => Err(FileError::Expected {
-                path,
-                place: "the file".into(),
-                expected: "a FOLD object".into(),
-                found: json.root().kind(),
-            }),
+            Ok(json) => {
+                let found = json.root().kind();
+                Err(FileError::expected(
+                    &path,
+                    "the file",
+                    "a FOLD object",
+                    found,
+                ))
+            }
             Err(error) => Err(FileError::Syntax {
                 path,
                 line: error.line(),
@@ -39,10 +37,6 @@ impl Document {
                 },
             }),
         }
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Returns the key frame.
@@ -162,12 +156,7 @@ impl Document {
     }
 
     pub(super) fn expected(&self, place: String, expected: &str, found: &str) -> FileError {
-        FileError::Expected {
-            path: self.path.clone(),
-            place,
-            expected: expected.into(),
-            found: found.into(),
-        }
+        FileError::expected(&self.path, place, expected, found)
     }
 }
 
@@ -197,18 +186,13 @@ pub(super) struct Frames<'a> {
     objects: Vec<Value<'a>>,
     /// For each frame the number of the frame that it inherits from; the key frame is 0.
     parents: Vec<Option<usize>>,
-    /// Classes of the key frame and of each frame in `file_frames`.
-    classes: Vec<Classes>,
+    /// Classes of the key frame, number 0, and of the frames in `file_frames`, from number 1.
+    pub(super) classes: Vec<Classes>,
 }
 
 impl<'a> Frames<'a> {
     pub(super) fn len(&self) -> usize {
         self.objects.len()
-    }
-
-    /// Returns the classes of the key frame, number 0, and of the frames in `file_frames`, from number 1.
-    pub(super) fn classes(&self) -> &[Classes] {
-        &self.classes
     }
 
     /// Returns frame `number` with all that it inherits; the key frame is 0.

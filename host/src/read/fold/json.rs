@@ -30,6 +30,7 @@ enum Node {
 }
 
 /// A parsed JSON text.
+#[derive(Default)]
 pub(super) struct Json {
     nodes: Vec<Node>,
     texts: String,
@@ -37,10 +38,7 @@ pub(super) struct Json {
 
 impl Json {
     pub(super) fn parse(text: &[u8]) -> serde_json::Result<Self> {
-        let mut json = Self {
-            nodes: Vec::new(),
-            texts: String::new(),
-        };
+        let mut json = Self::default();
         let mut parser = serde_json::Deserializer::from_slice(text);
         Builder(&mut json).deserialize(&mut parser)?;
         parser.end()?;

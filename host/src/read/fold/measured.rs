@@ -26,7 +26,7 @@ pub(super) fn measured(
 ) -> Result<Option<Goals>, FileError> {
     let shows = |number: &usize| {
         Some(*number) != flat
-            && frames.classes()[*number].folded_form
+            && frames.classes[*number].folded_form
             && frames.own(*number).own("vertices_coords").is_some()
     };
     let Some(number) = (1..=frames.len()).rev().chain([0]).find(shows) else {

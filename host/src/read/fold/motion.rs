@@ -6,12 +6,13 @@ use std::sync::Arc;
 use foldpath_core::{GroupId, Interpolation, Membership};
 use nalgebra::Vector3;
 
+use super::LARGEST_FILE;
 use super::document::{Document, Frame, Located};
 use super::pattern::{PatternFile, goals, pattern_of, points};
 use crate::motion::{Claims, GroupNaming, Knot, Motion, PlanAnswer, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
-use crate::read::FileError;
+use crate::read::{FileError, read_bytes};
 
 /// The numbers of a frame, one for each edge.
 struct EdgeKnot {
@@ -79,7 +80,7 @@ impl EdgeKnot {
 /// # Errors
 /// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no valid knot.
 pub fn read_motion(path: &Path) -> Result<Motion, FileError> {
-    motion(&Document::read(path)?)
+    parse_motion(path, &read_bytes(path, LARGEST_FILE)?)
 }
 
 /// Parses a motion from the bytes of a file; `path` names the file in errors. See [`read_motion`].
@@ -87,10 +88,7 @@ pub fn read_motion(path: &Path) -> Result<Motion, FileError> {
 /// # Errors
 /// If the key frame is no flat crease pattern, or a frame is no valid knot.
 pub fn parse_motion(path: &Path, bytes: &[u8]) -> Result<Motion, FileError> {
-    motion(&Document::parse(path, bytes)?)
-}
-
-fn motion(document: &Document) -> Result<Motion, FileError> {
+    let document = &Document::parse(path, bytes)?;
     let key = document.key_frame();
     let PatternFile { title, pattern } =
         pattern_of(document, &key, goals(&key)?.as_ref(), Watch::default())?;

@@ -25,44 +25,20 @@ pub struct PatternFile {
     pub pattern: CreasePattern,
 }
 
-/// Reads a crease pattern. Its goal angles are those of the last folded frame that names angles, or else those of the
+/// Parses a crease pattern. Its goal angles are those of the last folded frame that names angles, or else those of the
 /// pattern's own frame, or else the angles measured on the last folded frame that has positions. A goal in which all
-/// angles are 0 is the flat sheet, and counts as no goal.
-///
-/// # Errors
-/// If the file cannot be read or holds no flat crease pattern.
-pub fn read_pattern(path: &Path) -> Result<PatternFile, FileError> {
-    pattern(
-        &Document::read(path)?,
-        &ReadOptions::default(),
-        Watch::default(),
-    )
-}
-
-/// Parses a crease pattern from the bytes of a file; `path` names the file in errors. See [`read_pattern`].
+/// angles are 0 is the flat sheet, and counts as no goal. With a tolerance, or if the pattern is to be straightened, its
+/// edges are repaired like the lines of a drawing.
 ///
 /// # Errors
 /// If the bytes hold no flat crease pattern.
-pub fn parse_pattern(path: &Path, bytes: &[u8]) -> Result<PatternFile, FileError> {
-    parse_within(path, bytes, &ReadOptions::default(), Watch::default())
-}
-
 pub(in crate::read) fn parse_within(
     path: &Path,
     bytes: &[u8],
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    pattern(&Document::parse(path, bytes)?, options, watch)
-}
-
-/// Makes the crease pattern of a document. With a tolerance, or if it is to be straightened, its edges are repaired like
-/// the lines of a drawing.
-fn pattern(
-    document: &Document,
-    options: &ReadOptions,
-    watch: Watch<'_>,
-) -> Result<PatternFile, FileError> {
+    let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
     let flat = flat_frame(&frames);
     let frame = frames.get(flat);
@@ -120,16 +96,11 @@ fn repaired(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let drawing = drawing(document, frame, goals, &mut notes)?;
-    let wrong = |expected: &str, found: &str| FileError::Expected {
-        path: document.path().to_path_buf(),
-        place: if options.tolerance.is_some() {
-            "the tolerance".into()
-        } else {
-            "straightening".into()
-        },
-        expected: expected.into(),
-        found: found.into(),
+    let place = match options.tolerance {
+        Some(_) => "the tolerance",
+        None => "straightening",
     };
+    let wrong = |expected: &str, found: &str| document.expected(place.into(), expected, found);
     if drawing.faces.is_some() {
         let found = "faces_vertices, which say what meets";
         return Err(wrong("a drawing of lines without faces", found));
@@ -150,7 +121,7 @@ fn repaired(
         notes,
         ..LooseLines::default()
     };
-    let file = segments::pattern_file(document.path(), lines, options, watch)?;
+    let file = segments::pattern_file(&document.path, lines, options, watch)?;
     let title = title(document, frame)?;
     Ok(PatternFile { title, ..file })
 }
@@ -166,10 +137,7 @@ pub fn parse_goal(
     bytes: &[u8],
     pattern: &CreasePattern,
 ) -> Result<Vec<Option<f64>>, FileError> {
-    goal(&Document::parse(path, bytes)?, pattern)
-}
-
-fn goal(document: &Document, pattern: &CreasePattern) -> Result<Vec<Option<f64>>, FileError> {
+    let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
     let goals = match goal_angles(&frames, &document.key_frame())? {
         None => measured(&frames, None, pattern)?,
@@ -206,7 +174,7 @@ pub(super) fn pattern_of(
                 goals.place_of(document, source)
             }
             _ => FileError::Pattern {
-                path: document.path().to_path_buf(),
+                path: document.path.clone(),
                 frame: frame.prefix_of(&source.to_string()),
                 source,
             },
@@ -227,14 +195,14 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
         .find_map(|key| frame.get(key));
     match title {
         Some(title) => Ok(title.text()?.to_string()),
-        None => Ok(stem(document.path())),
+        None => Ok(stem(&document.path)),
     }
 }
 
 /// Returns the number of the frame with the flat sheet: the first frame of class `creasePattern`, or else the key
 /// frame.
 fn flat_frame(frames: &Frames<'_>) -> usize {
-    let first = frames.classes().iter().position(|it| it.crease_pattern);
+    let first = frames.classes.iter().position(|it| it.crease_pattern);
     first.unwrap_or(0)
 }
 
@@ -263,7 +231,7 @@ impl Goals {
 
     fn place_of(&self, document: &Document, source: PatternError) -> FileError {
         FileError::Pattern {
-            path: document.path().to_path_buf(),
+            path: document.path.clone(),
             frame: self.frame.clone(),
             source,
         }
@@ -274,7 +242,7 @@ impl Goals {
 /// all of these goals are zeros, returns the first of them found.
 fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     let latest_first = (1..=frames.len()).rev().chain([0]);
-    let folded = latest_first.filter(|&number| frames.classes()[number].folded_form);
+    let folded = latest_first.filter(|&number| frames.classes[number].folded_form);
     let folded = folded.map(|number| goals(&frames.own(number)));
     let mut zeros = None;
     for found in folded.chain(core::iter::once_with(|| goals(flat))) {

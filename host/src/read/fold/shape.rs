@@ -62,7 +62,7 @@ pub fn parse_shape(
 /// Returns the frame with the shape, and `true` if the frame is a folded form.
 fn chosen(document: &Document, number: Option<usize>) -> Result<(Frame<'_>, bool), FileError> {
     let frames = document.frames()?;
-    let folded = |number: &usize| frames.classes()[*number].folded_form;
+    let folded = |number: &usize| frames.classes[*number].folded_form;
     let number = match number {
         Some(number) if number > frames.len() => {
             let place = format!("file_frames[{}]", number - 1);

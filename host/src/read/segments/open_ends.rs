@@ -57,7 +57,7 @@ pub(super) fn join_to_vertices(
                 continue;
             }
             let at = places.points[end];
-            let mut near = Nearest::default();
+            let mut near = Nearest::apart(APART);
             grid.along([at; 2], 2.0 * reach, |cell| {
                 looks.take(1 + cells[cell].len());
                 for &vertex in &cells[cell] {
@@ -190,12 +190,6 @@ struct Nearest {
     nearest: (f64, Option<usize>),
     second: f64,
     apart: f64,
-}
-
-impl Default for Nearest {
-    fn default() -> Self {
-        Self::apart(APART)
-    }
 }
 
 impl Nearest {

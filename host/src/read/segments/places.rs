@@ -5,13 +5,14 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::Vector2;
 
 /// Distinct places: points within the tolerance of each other are one place.
+#[derive(Default)]
 pub(super) struct Places {
     pub(super) points: Vec<Vector2<f64>>,
     /// For each place the sum of the merged points, relative to the place, and their number.
     offsets: Vec<(Vector2<f64>, f64)>,
     cells: HashMap<[i64; 2], Vec<usize>>,
     /// Places at which no line ends any more.
-    retired: HashSet<usize>,
+    pub(super) retired: HashSet<usize>,
     origin: Vector2<f64>,
     pub(super) tolerance: f64,
 }
@@ -19,12 +20,9 @@ pub(super) struct Places {
 impl Places {
     pub(super) fn new(tolerance: f64, origin: Vector2<f64>) -> Self {
         Self {
-            points: Vec::new(),
-            offsets: Vec::new(),
-            cells: HashMap::new(),
-            retired: HashSet::new(),
             origin,
             tolerance,
+            ..Self::default()
         }
     }
 
@@ -90,10 +88,6 @@ impl Places {
     pub(super) fn retire(&mut self, place: usize) {
         self.leave_cell(place);
         self.retired.insert(place);
-    }
-
-    pub(super) fn is_retired(&self, place: usize) -> bool {
-        self.retired.contains(&place)
     }
 
     fn leave_cell(&mut self, place: usize) {

@@ -355,7 +355,7 @@ fn split(places: &Places, pieces: &[DrawnEdge], looks: &mut Looks<'_>) -> Option
             for &vertex in cells[cell].iter().filter(|v| !piece.ends.contains(v)) {
                 let (along, aside, length) = foot(line, points[vertex]);
                 let passes = aside <= tolerance && along > 0.0 && along < length;
-                if passes && !places.is_retired(vertex) {
+                if passes && !places.retired.contains(&vertex) {
                     stops.push((along, vertex));
                 }
             }

@@ -4,8 +4,8 @@
 use svgtypes::{Error, Length, NumberListParser, PathParser};
 use usvg::roxmltree::{Document, Node};
 
-use super::Wrong;
 use super::effort::sum;
+use crate::read::error::Wrong;
 
 /// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or
 /// added to.

@@ -5,7 +5,7 @@ use std::path::Path;
 use foldpath::export::fold::motion_text;
 use foldpath::export::traj::TrajFile;
 use foldpath::planner::PlanOptions;
-use foldpath::read::fold::read_pattern;
+use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, FollowerPosition, Options};
