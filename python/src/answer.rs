@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::sync::Arc;
 use std::time::Instant;
 
-use foldpath::request::{PlanRequest, Planned, ReadingRequest};
+use foldpath::request::{PlanJson, PlanRequest, Planned, ReadingRequest};
 use foldpath_cli::embed::task;
 use pyo3::prelude::*;
 
@@ -45,8 +45,8 @@ impl Answer {
     /// The JSON of `foldpath plan`.
     fn json(&self) -> String {
         let input = self.read.input();
-        let json = self.planned.json(&self.request, input, &self.read.file);
-        let json = json.with_times(self.read.time, Duration::ZERO, self.total);
+        let times = Some([self.read.time, Duration::ZERO, self.total]);
+        let json = PlanJson::of(&self.planned, &self.request, input, &self.read.file, times);
         serde_json::to_string(&json).unwrap_or_default()
     }
 }
@@ -71,10 +71,10 @@ pub(crate) fn plan(
     }
     request.reading = read.reading.clone();
     let task = task(&request, &read.name, &read.file).map_err(|refused| error(py, refused))?;
-    let task = task.after(if reads { read.time } else { Duration::ZERO });
+    let spent = if reads { read.time } else { Duration::ZERO };
     let shared = Arc::clone(&read);
     let planned = waiting(py, Threads::of(jobs, is_forked), move |progress| {
-        task.run(&shared.file, progress)
+        task.run(&shared.file, spent, progress)
     })?;
     Ok(Answer {
         total: read.time + start.elapsed(),

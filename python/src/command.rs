@@ -11,7 +11,7 @@ use crate::waiting::{Threads, waiting};
 /// it once more.
 #[pyfunction]
 pub(crate) fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>) -> u8 {
-    py.detach(|| embed::run(arguments, &program))
+    py.detach(|| foldpath_cli::run_command(arguments, &program))
 }
 
 /// Plans the design of one line of a batch and returns its result.

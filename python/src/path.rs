@@ -39,7 +39,7 @@ impl Path {
     fn of(py: Python<'_>, source: &Source) -> PyResult<Self> {
         let motion = py.detach(|| source.motion());
         let motion = motion.map_err(|refused| error(py, refused))?;
-        Ok(Self::new(motion, source.name().to_path_buf()))
+        Ok(Self::new(motion, source.name.clone()))
     }
 
     /// Returns the fold angle of each edge in a configuration, radians; nan for edges that are no hinge.
@@ -58,13 +58,13 @@ impl Path {
     /// Reads a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(py, &Source::file(&path))
+        Self::of(py, &Source::of_file(&path))
     }
 
     /// Reads the bytes of a file.
     #[staticmethod]
     fn parse(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
-        let source = Source::bytes(name, bytes).map_err(|refused| error(py, refused))?;
+        let source = Source::of_stream(name, bytes).map_err(|refused| error(py, refused))?;
         Self::of(py, &source)
     }
 

@@ -1,21 +1,22 @@
 //! Errors as Python's `foldpath.FoldpathError`, with the text of the command line.
 
-use foldpath_cli::embed::Refusal;
+use foldpath_cli::embed::{CliError, ErrorFields, plain_text};
 use pyo3::prelude::*;
 
 /// Makes the exception of a refusal.
-pub(crate) fn error(py: Python<'_>, refusal: impl Into<Refusal>) -> PyErr {
-    let Refusal {
-        text,
-        file,
-        line,
-        column,
-        hint,
-    } = refusal.into();
+pub(crate) fn error(py: Python<'_>, refusal: impl Into<CliError>) -> PyErr {
+    let error = refusal.into();
+    let told = ErrorFields::of(&error);
     let make = || {
         let module = py.import("foldpath._error")?;
         let class = module.getattr("FoldpathError")?;
-        class.call1((text, file, line, column, hint))
+        class.call1((
+            plain_text(&error),
+            told.file,
+            told.line,
+            told.column,
+            told.hint,
+        ))
     };
     make().map_or_else(|error| error, PyErr::from_value)
 }

@@ -9,9 +9,9 @@ use std::time::Instant;
 use foldpath::pattern::CreasePattern;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{Family, InputJson, PatternInfo, ReadingRequest, Request, timeout};
+use foldpath::request::{InputJson, PatternInfo, ReadingRequest, Request, timeout};
 use foldpath::symmetry::ReducedStars;
-use foldpath_cli::embed::{Refusal, Source};
+use foldpath_cli::embed::{CliError, Source};
 use foldpath_core::{HalfAngle, closure, hole};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
@@ -33,12 +33,12 @@ pub(crate) struct Read {
 }
 
 impl Read {
-    fn of(source: &Source, reading: ReadingRequest) -> Result<Self, Refusal> {
+    fn of(source: &Source, reading: ReadingRequest) -> Result<Self, CliError> {
         let start = Instant::now();
-        let bytes = source.pattern_bytes()?;
-        let file = source.pattern(&bytes, &reading)?;
+        let bytes = source.bytes()?.into_owned();
+        let file = source.pattern(&bytes, &reading.options()?)?;
         Ok(Self {
-            name: source.name().to_path_buf(),
+            name: source.name.clone(),
             bytes,
             reading,
             file,
@@ -51,7 +51,7 @@ impl Read {
     /// Returns name and digest of the file.
     pub(crate) fn input(&self) -> &InputJson {
         self.input
-            .get_or_init(|| InputJson::of(&self.name, &self.bytes))
+            .get_or_init(|| InputJson::of(&self.name, Some(&self.bytes)))
     }
 
     fn pattern(&self) -> &CreasePattern {
@@ -80,23 +80,22 @@ impl Sheet {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, options: &str) -> PyResult<Self> {
         let reading = request(py, options)?;
-        Self::of(py, reading, move || Ok(Source::file(&path)))
+        Self::of(py, reading, move || Ok(Source::of_file(&path)))
     }
 
     /// Reads the bytes of a file whose format their content says.
     #[staticmethod]
     fn parse(py: Python<'_>, name: String, bytes: Vec<u8>, options: &str) -> PyResult<Self> {
         let reading = request(py, options)?;
-        Self::of(py, reading, move || Source::bytes(&name, &bytes))
+        Self::of(py, reading, move || Source::of_stream(&name, &bytes))
     }
 
     /// Makes a pattern of a family, which is a JSON object.
     #[staticmethod]
     fn generate(py: Python<'_>, family: &str) -> PyResult<Self> {
         let object = serde_json::from_str(family).map_err(|error| usage(py, error.to_string()))?;
-        let family = Family::of(&object).map_err(|refused| error(py, refused))?;
         Self::of(py, ReadingRequest::default(), move || {
-            Source::family(&family)
+            Source::of_family(&object)
         })
     }
 
@@ -205,7 +204,7 @@ impl Sheet {
             let deadline = timeout.and_then(|time| Instant::now().checked_add(time));
             let watch = Watch::new(progress).until(deadline);
             let info = PatternInfo::of(read.pattern(), watch);
-            serde_json::to_string(&info.json).unwrap_or_default()
+            serde_json::to_string(&info).unwrap_or_default()
         })?;
         Ok(text)
     }
@@ -227,7 +226,7 @@ impl Sheet {
     fn of(
         py: Python<'_>,
         reading: ReadingRequest,
-        source: impl FnOnce() -> Result<Source, Refusal> + Send,
+        source: impl FnOnce() -> Result<Source, CliError> + Send,
     ) -> PyResult<Self> {
         let read = py.detach(|| Read::of(&source()?, reading));
         let read = read.map_err(|refused| error(py, refused))?;

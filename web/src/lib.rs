@@ -18,8 +18,8 @@ use foldpath::progress::Watch;
 use foldpath::read::fold::{PatternFile, parse_motion};
 use foldpath::read::{parse_pattern_with, parse_shape};
 use foldpath::request::{
-    CheckJson, CheckRequest, Family, InputJson, PatternInfo, PlanRequest, ReadingRequest, Request,
-    RequestError,
+    self, CheckJson, CheckRequest, InputJson, PatternInfo, PlanJson, PlanRequest, ReadingRequest,
+    Request, RequestError,
 };
 use foldpath::unfold::{UnfoldOptions, unfold as unfold_shape};
 use foldpath::view::{Scene, page};
@@ -42,9 +42,8 @@ pub fn version() -> String {
 #[wasm_bindgen]
 pub fn generate(family: &str) -> Result<String, JsError> {
     let object = serde_json::from_str(family).map_err(refusal)?;
-    let family = Family::of(&object).map_err(refusal)?;
-    let drawing = family.drawing().map_err(refusal)?;
-    Ok(pattern_text(&family.title(), &drawing))
+    let (title, drawing) = request::generate(&object).map_err(refusal)?;
+    Ok(pattern_text(&title, &drawing))
 }
 
 /// Describes a crease pattern as `foldpath info --json` does. `name` is that of its file, and tells the format; `options`
@@ -57,7 +56,7 @@ pub fn info(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> 
     let reading = request(options)?;
     let file = read(name, bytes, &reading)?;
     let info = PatternInfo::of(&file.pattern, Watch::default());
-    serde_json::to_string(&info.json).map_err(refusal)
+    serde_json::to_string(&info).map_err(refusal)
 }
 
 /// Makes a crease pattern of a folded shape (OBJ, STL, FOLD), as the text of a FOLD file with the goal's fold angles.
@@ -131,10 +130,10 @@ pub fn plan(
     let path = Path::new(name);
     let task = (request.task(path, &file, true, no_file)).map_err(refusal)?;
     let read = start.elapsed();
-    let planned = told::with(told, |progress| task.after(read).run(&file, progress));
-    let input = InputJson::of(path, bytes);
-    let json = planned.json(&request, &input, &file);
-    let json = json.with_times(read, Duration::ZERO, start.elapsed());
+    let planned = told::with(told, |progress| task.run(&file, read, progress));
+    let input = InputJson::of(path, Some(bytes));
+    let times = Some([read, Duration::ZERO, start.elapsed()]);
+    let json = PlanJson::of(&planned, &request, &input, &file, times);
     let json = serde_json::to_string(&json).map_err(refusal)?;
     let plan = planned.plan;
     let answer = PlanAnswer {

@@ -9,7 +9,7 @@ use foldpath_firmware_sim::faults::Faults;
 use foldpath_firmware_sim::hinges;
 
 use crate::jobs::Jobs;
-use crate::options::{FamilyArgs, Options, formats};
+use crate::options::{FamilyArgs, Options, examples, formats};
 use crate::values::{Seeded, Shard, Target};
 use foldpath::export::Format;
 use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
@@ -18,17 +18,12 @@ use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest
 ///
 /// Exit status: 0 if the work is done; 1 if the command ran well, but the answer is no; 2 for bad input or usage.
 #[derive(Debug, Parser)]
-#[command(
-    name = "foldpath",
-    version,
-    about,
-    after_help = "\
-Examples:
-  foldpath generate miura --rows 5 --cols 5 -o miura.fold
-  foldpath info miura.fold
-  foldpath plan miura.fold -o path.fold
-  foldpath check path.fold"
-)]
+#[command(name = "foldpath", version, about, after_help = examples([
+    "generate miura --rows 5 --cols 5 -o miura.fold",
+    "info miura.fold",
+    "plan miura.fold -o path.fold",
+    "check path.fold",
+]))]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -40,7 +35,11 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Write a crease pattern of a known family with its goal
-    Generate(Generate),
+    #[command(subcommand, after_help = examples([
+        "generate miura --rows 11 --cols 11 -o miura.fold",
+        "generate waterbomb --rows 8 --cols 10 -o waterbomb.fold",
+    ]))]
+    Generate(FamilyArgs),
     /// Describe a crease pattern: its parts, whether it will fold, and which hinges to drive
     Info(Info),
     /// Find a path from the flat sheet to a goal
@@ -62,9 +61,13 @@ pub(crate) enum Command {
     /// within 6e-6 degrees, or to within four times the largest angle defect that --max-defect accepts.
     Unfold(Unfold),
     /// Write one self-contained page that shows a path
-    View(View),
+    #[command(after_help = examples(["view path.fold -o path.html", "view gentle.fold -o gentle.html"]))]
+    #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
+    View(Shown),
     /// Draw curves of fold angles, errors and clearance along a path
-    Plot(Plot),
+    #[command(after_help = examples(["plot path.fold -o plots.svg", "plot path.fold -o plots.png"]))]
+    #[command(mut_arg("output", |output| output.help("Picture to write, an SVG or PNG file by its ending .svg or .png")))]
+    Plot(Shown),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
     /// Plan many designs: JSON lines in, JSON lines out
@@ -99,19 +102,19 @@ pub(crate) enum Command {
     /// Exit status: 0 if the controller has the key; 1 if it takes none or does not answer; 2 for bad input or usage.
     Pair(Pair),
     /// Print the completion script of a shell
-    Completions(Completions),
+    #[command(after_help = examples(["completions bash > foldpath.bash", "completions zsh > _foldpath"]))]
+    Completions {
+        /// Shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
     /// Print the manual page, or write the manual pages of all commands
-    Man(Man),
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath generate miura --rows 11 --cols 11 -o miura.fold
-  foldpath generate waterbomb --rows 8 --cols 10 -o waterbomb.fold")]
-pub(crate) struct Generate {
-    #[command(subcommand)]
-    pub(crate) family: FamilyArgs,
+    #[command(after_help = examples(["man > foldpath.1", "man -o ."]))]
+    Man {
+        /// Folder into which a page for each command is written
+        #[arg(short, long, value_name = "DIR")]
+        output: Option<PathBuf>,
+    },
 }
 
 /// Places at which an operator may say that a sheet stands.
@@ -128,10 +131,7 @@ pub(crate) enum At {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath info miura.fold
-  foldpath info miura.fold --json --timeout 2")]
+#[command(after_help = examples(["info miura.fold", "info miura.fold --json --timeout 2"]))]
 pub(crate) struct Info {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
     ///
@@ -147,10 +147,10 @@ pub(crate) struct Info {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath unfold path.fold -o unfolded.fold
-  foldpath unfold path.fold --frame 3 -o third.fold --json")]
+#[command(after_help = examples([
+    "unfold path.fold -o unfolded.fold",
+    "unfold path.fold --frame 3 -o third.fold --json",
+]))]
 pub(crate) struct Unfold {
     /// Folded shape: a FOLD file with faces in space, or a file that ends in .obj or .stl
     ///
@@ -172,11 +172,11 @@ pub(crate) struct Unfold {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath batch designs.jsonl -o results.jsonl
-  foldpath batch designs.jsonl -o results.jsonl --resume
-  foldpath batch designs.jsonl --shard 0/3 -o results-0.jsonl")]
+#[command(after_help = examples([
+    "batch designs.jsonl -o results.jsonl",
+    "batch designs.jsonl -o results.jsonl --resume",
+    "batch designs.jsonl --shard 0/3 -o results-0.jsonl",
+]))]
 pub(crate) struct Batch {
     /// Designs, one JSON object a line
     pub(crate) designs: PathBuf,
@@ -210,21 +210,6 @@ pub(crate) struct Batch {
     pub(crate) worker: bool,
 }
 
-impl Command {
-    /// Returns `true` if the answer is to be one JSON object on stdout.
-    pub(crate) fn prints_json(&self) -> bool {
-        match self {
-            Self::Info(args) => args.report.json,
-            Self::Plan(args) => args.report.json,
-            Self::Check(args) => args.report.json,
-            Self::Unfold(args) => args.report.json,
-            Self::Stream(args) => args.report.json,
-            Self::Drive(args) => args.json,
-            _ => false,
-        }
-    }
-}
-
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -234,12 +219,12 @@ pub(crate) struct Report {
 
 #[derive(Clone, Debug, Args)]
 #[command(allow_negative_numbers = true)]
-#[command(after_help = "\
-Examples:
-  foldpath plan miura.fold -o path.fold
-  foldpath plan miura.fold --fold 0.5 --max-accel 90 -o gentle.fold
-  foldpath plan miura.fold --crease 4=-45 -o driven.fold
-  foldpath plan miura.fold --symmetry off --collision off --json")]
+#[command(after_help = examples([
+    "plan miura.fold -o path.fold",
+    "plan miura.fold --fold 0.5 --max-accel 90 -o gentle.fold",
+    "plan miura.fold --crease 4=-45 -o driven.fold",
+    "plan miura.fold --symmetry off --collision off --json",
+]))]
 pub(crate) struct Plan {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
     ///
@@ -259,10 +244,7 @@ pub(crate) struct Plan {
 
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
-#[command(after_help = "\
-Examples:
-  foldpath check path.fold
-  foldpath check path.fold --bound 1e-6 --json")]
+#[command(after_help = examples(["check path.fold", "check path.fold --bound 1e-6 --json"]))]
 pub(crate) struct Check {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
@@ -275,38 +257,20 @@ pub(crate) struct Check {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath view path.fold -o path.html
-  foldpath view gentle.fold -o gentle.html")]
-pub(crate) struct View {
+pub(crate) struct Shown {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
-    /// Page to write, an HTML file
     #[arg(short, long)]
     pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath plot path.fold -o plots.svg
-  foldpath plot path.fold -o plots.png")]
-pub(crate) struct Plot {
-    /// Path, a FOLD animation
-    pub(crate) path: PathBuf,
-    /// Picture to write, an SVG or PNG file by its ending .svg or .png
-    #[arg(short, long)]
-    pub(crate) output: PathBuf,
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath export path.fold --to traj -o path.traj
-  foldpath export path.fold --to glb -o path.glb
-  foldpath export path.fold --to csv --rate 50 --per hinge -o hinges.csv
-  foldpath export path.fold --to mjcf -o model")]
+#[command(after_help = examples([
+    "export path.fold --to traj -o path.traj",
+    "export path.fold --to glb -o path.glb",
+    "export path.fold --to csv --rate 50 --per hinge -o hinges.csv",
+    "export path.fold --to mjcf -o model",
+]))]
 pub(crate) struct Export {
     /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
     pub(crate) path: PathBuf,
@@ -323,34 +287,12 @@ pub(crate) struct Export {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath completions bash > foldpath.bash
-  foldpath completions zsh > _foldpath")]
-pub(crate) struct Completions {
-    /// Shell
-    #[arg(value_enum)]
-    pub(crate) shell: clap_complete::Shell,
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath man > foldpath.1
-  foldpath man -o .")]
-pub(crate) struct Man {
-    /// Folder into which a page for each command is written
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath stream path.traj --to sim --log log.csv
-  foldpath stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7
-  foldpath stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold
-  foldpath stream path.traj --to serial:/dev/ttyUSB0 --reverse --at goal")]
+#[command(after_help = examples([
+    "stream path.traj --to sim --log log.csv",
+    "stream path.traj --to sim --faults drop=0.1,flip=0.1,seed=7",
+    "stream path.traj --to sim --drives lag=0.005,speed=4 --sheet path.fold",
+    "stream path.traj --to serial:/dev/ttyUSB0 --reverse --at goal",
+]))]
 pub(crate) struct Stream {
     /// Path: a .traj file, as written by `foldpath export --to traj`
     pub(crate) path: PathBuf,
@@ -456,10 +398,10 @@ fn indented(text: &str) -> String {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  foldpath pair --to sim --key lab.key
-  foldpath pair --to serial:/dev/ttyUSB0 --key lab.key")]
+#[command(after_help = examples([
+    "pair --to sim --key lab.key",
+    "pair --to serial:/dev/ttyUSB0 --key lab.key",
+]))]
 pub(crate) struct Pair {
     /// Controller: sim or serial:DEVICE
     ///

@@ -3,23 +3,24 @@
 use std::path::Path;
 
 use clap::CommandFactory;
+use clap_complete::Shell;
 use clap_mangen::Man as Page;
 
-use crate::args::{Cli, Completions, Man};
+use crate::args::Cli;
 use crate::output::write_whole;
 use crate::{Answer, CliError, print, print_to};
 
-pub(crate) fn completions(args: &Completions) -> Answer {
+pub(crate) fn completions(shell: Shell) -> Answer {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "foldpath", &mut script);
+    clap_complete::generate(shell, &mut Cli::command(), "foldpath", &mut script);
     print_to(std::io::stdout().lock(), &script)?;
     Ok(true)
 }
 
-pub(crate) fn man(args: &Man) -> Answer {
+pub(crate) fn man(output: Option<&Path>) -> Answer {
     let mut command = Cli::command();
     command.build();
-    let Some(folder) = &args.output else {
+    let Some(folder) = output else {
         print_to(std::io::stdout().lock(), &page(command)?)?;
         return Ok(true);
     };

@@ -1,16 +1,15 @@
 //! Runs `foldpath export`, which writes a path, or its pattern, in other formats.
 
-use std::io::Write;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use crate::args::Export;
 use crate::output::{Pending, write_whole};
 use crate::standard::{Input, is_standard, print_summary, shown};
 use crate::{Answer, CliError, check_output, print_notes};
-use foldpath::export::{ExportOptions, Format, Needs, Place, Source};
+use foldpath::export::{ExportOptions, FORMATS, Format, Needs, Place, Source};
 use foldpath::motion::Motion;
 use foldpath::read::FileError;
-use foldpath::request::{ReadingRequest, Request};
+use foldpath::request::{OptionInfo, ReadingRequest, Request};
 
 pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
     let options = checked(args)?;
@@ -52,9 +51,23 @@ pub(crate) fn motion(args: &Export, motion: &Motion, name: &Path) -> Result<(), 
 fn checked(args: &Export) -> Result<ExportOptions, CliError> {
     let format: &Format = args.to;
     let request = args.request.get()?;
-    request.check_for(format)?;
-    let options = request.options()?;
     let usage = |text: String| Err(CliError::Usage(text));
+    let takes = |format: &Format, option: &OptionInfo| format.options.contains(&option.name);
+    if let Some((option, _)) = request
+        .given()
+        .iter()
+        .find(|(option, _)| !takes(format, option))
+    {
+        let takers = FORMATS.iter().filter(|format| takes(format, option));
+        let takers: Vec<&str> = takers.map(|format| format.name).collect();
+        return usage(format!(
+            "--{}: expected --to {}, found --to {}",
+            option.flag(),
+            takers.join(" or --to "),
+            format.name
+        ));
+    }
+    let options = request.options()?;
     let is_reading = *args.reading.get()? != ReadingRequest::default();
     if is_reading && (format.needs)(&options) == Needs::Path {
         let text = "--tolerance, --straighten and --colors: expected --to svg with colours by letters or groups, which reads drawings";
@@ -85,10 +98,7 @@ fn export(
             let text = format!("-o: --to {name} expected a folder, found the file {output}");
             return Err(CliError::Usage(text));
         }
-        std::fs::create_dir_all(output).map_err(|source| FileError::Io {
-            path: output.clone(),
-            source,
-        })?;
+        std::fs::create_dir_all(output).map_err(FileError::io(output))?;
     }
     let mut pending = Pending::default();
     let mut single = Vec::new();

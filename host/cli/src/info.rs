@@ -9,7 +9,7 @@ use crate::{Answer, outlook, print, print_json, print_notes};
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{PatternInfo, PatternInfoJson, Request, Room, radians_hint, timeout};
+use foldpath::request::{PatternInfo, Request, radians_hint, timeout};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
@@ -20,25 +20,19 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     drop(input);
     let pattern = &file.pattern;
     let info = PatternInfo::of(pattern, watch);
-    let PatternInfo {
-        json: info,
-        groups,
-        forecast,
-        room,
-    } = &info;
     if args.report.json {
-        print_json(info)?;
+        print_json(&info)?;
         return Ok(true);
     }
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
-    let text = summary(&file, info, *room);
-    print(&(text + &outlook::text(pattern, groups, forecast, &args.pattern)))?;
+    let text = summary(&file, &info);
+    print(&(text + &outlook::text(pattern, &info.crease_groups, &info.forecast, &args.pattern)))?;
     Ok(true)
 }
 
-fn summary(file: &PatternFile, info: &PatternInfoJson, room: Room) -> String {
+fn summary(file: &PatternFile, info: &PatternInfo) -> String {
     let letters = info
         .letters
         .iter()
@@ -91,8 +85,8 @@ fn summary(file: &PatternFile, info: &PatternInfoJson, room: Room) -> String {
         info.virtual_edges,
         info.groups,
         info.essential_vertices,
-        room.groups,
-        room.hinges,
-        room.spokes,
+        info.groups,
+        info.creases,
+        info.spokes,
     )
 }

@@ -49,7 +49,8 @@ use foldpath::request::RequestError;
 
 /// Bad input or usage: exit status 2.
 #[derive(Debug, Error)]
-enum CliError {
+#[allow(missing_docs, reason = "its texts say it")]
+pub enum CliError {
     #[error(transparent)]
     File(#[from] FileError),
     /// An error about stdin, with the text that was read.
@@ -77,14 +78,16 @@ pub fn main() -> ExitCode {
 
 /// Runs the command with these arguments, the first of which is its name, and returns its exit status. `program` starts
 /// the command once more: a program and its first arguments.
-fn run_command(arguments: Vec<OsString>, program: &[OsString]) -> u8 {
+#[must_use]
+pub fn run_command(arguments: Vec<OsString>, program: &[OsString]) -> u8 {
     let wants_json = arguments.iter().any(|argument| argument == "--json");
     let cli = match args::Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(&error, wants_json),
     };
-    let (quiet, json) = (cli.quiet, cli.command.prints_json());
-    let answer = standard::check_use(&cli.command).and_then(|()| run(cli.command, quiet, program));
+    let (quiet, json) = (cli.quiet, wants_json);
+    let answer =
+        standard::check_use(&cli.command, json).and_then(|()| run(cli.command, quiet, program));
     match answer {
         Ok(true) => 0,
         Ok(false) => 1,
@@ -112,8 +115,8 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Drive(args) => drive::run(&args, quiet),
         args::Command::Pair(args) => pair::run(&args, quiet),
-        args::Command::Completions(args) => complete::completions(&args),
-        args::Command::Man(args) => complete::man(&args),
+        args::Command::Completions { shell } => complete::completions(shell),
+        args::Command::Man { output } => complete::man(output.as_deref()),
     }
 }
 

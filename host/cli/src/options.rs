@@ -1,5 +1,6 @@
 //! Makes clap's arguments of the library's tables of options.
 
+use core::fmt::Display;
 use std::path::PathBuf;
 
 use clap::builder::{
@@ -12,7 +13,7 @@ use clap::{
     value_parser,
 };
 use foldpath::export::{FORMATS, Format};
-use foldpath::request::{FAMILIES, Family, Kind, OptionInfo, Request, RequestError, paragraphs};
+use foldpath::request::{FAMILIES, Kind, OptionInfo, Request, RequestError, paragraphs};
 use serde_json::{Map, Value};
 
 /// The options `R` as arguments of a command. A value that an option cannot have is told as everywhere else, and not in the
@@ -55,7 +56,7 @@ impl<R: Request> FromArgMatches for Options<R> {
 /// A family of patterns with its parameters as a subcommand, and the file to write.
 #[derive(Clone, Debug)]
 pub(crate) struct FamilyArgs {
-    pub(crate) family: Result<Family, RequestError>,
+    pub(crate) family: Map<String, Value>,
     pub(crate) output: PathBuf,
 }
 
@@ -80,17 +81,15 @@ impl Subcommand for FamilyArgs {
                 if let Some(long) = long {
                     family = family.long_about(long);
                 }
-                let examples = info.examples.iter();
-                let examples = examples
-                    .map(|example| format!("\n  foldpath generate {} {example}", info.name));
-                let examples: String = examples.collect();
+                let known = info.examples.iter();
+                let known = known.map(|example| format!("generate {} {example}", info.name));
                 // The file stands behind the size of the sheet, and before what has a default.
                 let (size, others) = info.parameters.split_at(2);
                 family
                     .args(size.iter().map(argument))
                     .arg(output())
                     .args(others.iter().map(argument))
-                    .after_help(format!("Examples:{examples}"))
+                    .after_help(examples(known))
             }))
     }
 
@@ -109,9 +108,8 @@ impl FromArgMatches for FamilyArgs {
         let (name, matches) = matches.subcommand().ok_or_else(missing)?;
         let known = FAMILIES.iter().find(|info| info.name == name);
         let known = known.ok_or_else(missing)?;
-        let mut object: Map<String, Value> = given(matches, known.parameters).collect();
-        object.insert("family".into(), name.into());
-        let family = Family::of(&object);
+        let mut family: Map<String, Value> = given(matches, known.parameters).collect();
+        family.insert("family".into(), name.into());
         let output = matches.get_one("output").cloned().unwrap_or_default();
         Ok(Self { family, output })
     }
@@ -132,20 +130,17 @@ pub(crate) fn on_command_line(error: &RequestError) -> String {
         RequestError::Excluded { option, other } => {
             format!("{}: expected without {}", flag(option), flag(other))
         }
-        RequestError::Format {
-            option,
-            takers,
-            found,
-        } => {
-            let takers = takers.join(" or --to ");
-            format!(
-                "{}: expected --to {takers}, found --to {found}",
-                flag(option)
-            )
-        }
         RequestError::NoOption(name) => format!("unexpected argument '{}' found", flag(name)),
         error => error.to_string(),
     }
+}
+
+/// Returns the part of a help text with examples.
+pub(crate) fn examples(arguments: impl IntoIterator<Item: Display>) -> String {
+    let examples = arguments
+        .into_iter()
+        .map(|arguments| format!("\n  foldpath {arguments}"));
+    format!("Examples:{}", examples.collect::<String>())
 }
 
 /// Returns a parser of the names of formats.
@@ -171,7 +166,7 @@ fn given(matches: &ArgMatches, infos: &[OptionInfo]) -> impl Iterator<Item = (St
     given.map(|info| {
         let words = matches.get_raw(info.name).into_iter().flatten();
         let mut words = words.map(|word| Value::from(word.to_string_lossy()));
-        let value = match (info.shape.kind, info.shape.is_repeated) {
+        let value = match (info.kind, info.is_repeated) {
             (Kind::Flag, _) => Value::Bool(true),
             (_, true) => words.collect(),
             (_, false) => words.next().unwrap_or_default(),
@@ -201,7 +196,7 @@ fn argument(info: &OptionInfo) -> Arg {
         .long(info.flag())
         .conflicts_with_all(info.excludes)
         .hide(info.is_earlier_name)
-        .required(info.is_required);
+        .required(info.is_required());
     if !info.alias.is_empty() {
         argument = argument.alias(info.alias);
     }
@@ -217,8 +212,7 @@ fn argument(info: &OptionInfo) -> Arg {
     if let Some(default) = shown(&(info.default)()).filter(|_| !info.is_earlier_name) {
         argument = argument.default_value(default);
     }
-    let shape = info.shape;
-    let argument = match shape.kind {
+    let argument = match info.kind {
         Kind::Flag => return argument.help(first).action(ArgAction::SetTrue),
         Kind::File => argument
             .value_parser(NonEmptyStringValueParser::new())
@@ -231,7 +225,7 @@ fn argument(info: &OptionInfo) -> Arg {
         ))),
         _ => argument,
     };
-    let action = if shape.is_repeated {
+    let action = if info.is_repeated {
         ArgAction::Append
     } else {
         ArgAction::Set

@@ -14,34 +14,11 @@ use crate::{CliError, print_to};
 /// Size of the buffer for writing, bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Takes the content of a file.
-pub(crate) enum Sink<'a> {
-    File(BufWriter<&'a File>),
-    /// Content for stdout, until it is complete.
-    Memory(&'a mut Vec<u8>),
-}
-
-impl Write for Sink<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::File(file) => file.write(bytes),
-            Self::Memory(memory) => memory.write(bytes),
-        }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::File(file) => file.flush(),
-            Self::Memory(_) => Ok(()),
-        }
-    }
-}
-
 /// Writes `content` to `path`, as [`write_whole_with`] does.
 ///
 /// # Errors
 /// If the system refuses.
-pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), CliError> {
+pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), CliError> {
     write_whole_with(path, |out| out.write_all(content))
 }
 
@@ -53,11 +30,11 @@ pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), CliError> {
 /// If the system refuses, or `content` fails.
 pub(crate) fn write_whole_with(
     path: &Path,
-    content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), CliError> {
     if is_standard(path) {
         let mut bytes = Vec::new();
-        content(&mut Sink::Memory(&mut bytes)).map_err(CliError::Output)?;
+        content(&mut bytes).map_err(CliError::Output)?;
         return print_to(io::stdout().lock(), &bytes);
     }
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
@@ -81,7 +58,7 @@ impl Pending {
     pub(crate) fn add(
         &mut self,
         path: PathBuf,
-        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), FileError> {
         let file = beside(&path, content).map_err(|error| failed(&path, &error))?;
         self.0.push((file, path));
@@ -119,7 +96,7 @@ pub(crate) fn failed(path: &Path, error: &io::Error) -> FileError {
 /// path is dropped.
 fn beside(
     target: &Path,
-    content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<TempPath> {
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -139,8 +116,8 @@ fn beside(
     Ok(file.into_temp_path())
 }
 
-fn fill(file: &File, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> io::Result<()> {
-    let mut out = Sink::File(BufWriter::with_capacity(BUFFER, file));
+fn fill(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, file);
     content(&mut out)?;
     out.flush()
 }

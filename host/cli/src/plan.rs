@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
     let done = watched(&args.report, quiet, |progress| {
         job.run(None, quiet, progress)
     })?;
-    let json = done.json(&job, start);
+    let json = done.json(&job, Some(start));
     print_notes(quiet, &json.notes);
     let hints = done.planned.plan.notes.iter().filter_map(hints::of_note);
     hints
@@ -90,11 +90,7 @@ impl Job {
         let reading = self.request.reading.options()?;
         let source = source.map_or_else(|| Input::of(&self.pattern), Ok)?;
         let bytes = source.bytes()?;
-        let input = if self.json {
-            InputJson::of(&source.name, &bytes)
-        } else {
-            InputJson::without_digest(&source.name)
-        };
+        let input = InputJson::of(&source.name, self.json.then_some(&*bytes));
         let file = source.pattern(&bytes, &reading)?;
         drop(bytes);
         let task = self
@@ -109,13 +105,13 @@ impl Job {
             .inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
         let read = start.elapsed();
         // The time that is allowed is that of the whole command.
-        let planned = task.after(read).run(&file, progress);
+        let planned = task.run(&file, read, progress);
         progress.begin(Stage::Writing);
         let start = Instant::now();
         if let (Some(motion), Some(output)) = (&planned.plan.motion, &self.output)
             && self.is_written(planned.plan.outcome)
         {
-            write_whole_with(output, |out| write_motion(motion, out))?;
+            write_whole_with(output, |mut out| write_motion(motion, &mut out))?;
         }
         Ok(Done {
             input,
@@ -133,10 +129,10 @@ impl Job {
 }
 
 impl Done {
-    /// Returns the answer for `--json`. `start` is when the work began.
-    pub(crate) fn json<'a>(&'a self, job: &'a Job, start: Instant) -> PlanJson<'a> {
-        let json = self.planned.json(&job.request, &self.input, &self.file);
-        json.with_times(self.read, self.write, start.elapsed())
+    /// Returns the answer for `--json`. `start` is when the work began; without it, the answer has no times.
+    pub(crate) fn json<'a>(&'a self, job: &'a Job, start: Option<Instant>) -> PlanJson<'a> {
+        let times = start.map(|start| [self.read, self.write, start.elapsed()]);
+        PlanJson::of(&self.planned, &job.request, &self.input, &self.file, times)
     }
 }
 

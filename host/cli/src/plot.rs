@@ -1,6 +1,6 @@
 //! Runs `foldpath plot`, which draws curves of a path as an SVG or PNG picture.
 
-use crate::args::Plot;
+use crate::args::Shown;
 use crate::fonts::Font;
 use crate::output::write_whole;
 use crate::png::png;
@@ -8,7 +8,7 @@ use crate::standard::{Input, is_standard, print_summary, shown};
 use crate::{Answer, CliError, check_output};
 use foldpath::plot::{Curves, svg};
 
-pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Shown, quiet: bool) -> Answer {
     let output = shown(&args.output);
     let ending = args.output.extension().unwrap_or_default();
     let pixels = ending.eq_ignore_ascii_case("png");

@@ -60,15 +60,20 @@ pub(crate) fn hidden_bar() -> ProgressBar {
     ProgressBar::new(FULL)
 }
 
+/// Sets what a bar shows.
+pub(crate) fn set_style(bar: &ProgressBar, template: &str) {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+}
+
 /// Draws the name of the work and, if it is known, the fraction of the work that is done.
 pub(crate) fn show(bar: &ProgressBar, what: &str, part: Option<f64>) {
     let template = match part {
         Some(_) => "{spinner} {elapsed} [{bar:30}] {percent:>3} % {msg}",
         None => "{spinner} {elapsed} {msg}",
     };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("=> "));
-    }
+    set_style(bar, template);
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

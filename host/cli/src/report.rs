@@ -70,24 +70,29 @@ pub fn panic_text(panic: &(dyn Any + Send)) -> String {
 
 /// An error in the JSON of the command line.
 #[derive(Serialize)]
-struct ErrorJson<'a> {
-    error: ErrorFields<'a>,
+pub(crate) struct ErrorJson<'a> {
+    pub(crate) error: ErrorFields<'a>,
 }
 
 /// The fields of an error in JSON.
 #[derive(Serialize)]
-pub(crate) struct ErrorFields<'a> {
+#[non_exhaustive]
+pub struct ErrorFields<'a> {
     /// The file; empty if the error is about the arguments.
-    pub(crate) file: String,
-    pub(crate) line: Option<usize>,
-    pub(crate) column: Option<usize>,
+    pub file: String,
+    /// Line in the file, from 1.
+    pub line: Option<usize>,
+    /// Column in the line, from 1.
+    pub column: Option<usize>,
     message: Cow<'a, str>,
-    pub(crate) hint: Option<String>,
+    /// Advice on correcting it, if there is any.
+    pub hint: Option<String>,
 }
 
 impl<'a> ErrorFields<'a> {
     /// Returns what is told of an error.
-    pub(crate) fn of(error: &CliError) -> Self {
+    #[must_use]
+    pub fn of(error: &CliError) -> Self {
         let (file, excerpt) = match error {
             CliError::Request(RequestError::Goal { file, .. }) => (file.clone(), None),
             _ => of_file(error).unwrap_or_default(),
@@ -142,7 +147,8 @@ fn of_file(error: &CliError) -> Option<(String, Option<Excerpt>)> {
 }
 
 /// Returns the full text of an error, without the name of the command, colours and the last newline.
-pub(crate) fn plain_text(error: &CliError) -> String {
+#[must_use]
+pub fn plain_text(error: &CliError) -> String {
     let text = text_of(error);
     let text = anstream::adapter::strip_str(&text).to_string();
     text.trim_start_matches("foldpath: ").into()

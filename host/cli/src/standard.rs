@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::args::Command;
 use crate::{CliError, print, say};
-use foldpath::export::fold::write_pattern;
+use foldpath::export::fold::pattern_text;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{PatternFile, parse_goal, parse_motion};
@@ -14,9 +14,10 @@ use foldpath::read::{
     FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape, read_file,
     read_stream,
 };
-use foldpath::request::Family;
+use foldpath::request::generate;
 use foldpath::stream::parse_script;
 use foldpath_firmware_sim::hinges::Trouble;
+use serde_json::{Map, Value};
 
 /// Name of stdin in messages.
 const STDIN: &str = "<stdin>";
@@ -55,9 +56,9 @@ pub(crate) fn argument(path: &Path) -> &Path {
 }
 
 /// A file that is read, or stdin, which can be read only once.
-pub(crate) struct Input {
+pub struct Input {
     /// Name for messages.
-    pub(crate) name: PathBuf,
+    pub name: PathBuf,
     /// The bytes of stdin with their format; `None` for a file.
     piped: Option<(Vec<u8>, Format)>,
 }
@@ -77,7 +78,8 @@ impl Input {
     }
 
     /// Names a file.
-    pub(crate) fn of_file(path: &Path) -> Self {
+    #[must_use]
+    pub fn of_file(path: &Path) -> Self {
         let name = path.to_path_buf();
         Self { name, piped: None }
     }
@@ -86,7 +88,7 @@ impl Input {
     ///
     /// # Errors
     /// If there are too many bytes for a file of their format.
-    pub(crate) fn of_stream(name: &str, bytes: &[u8]) -> Result<Self, CliError> {
+    pub fn of_stream(name: &str, bytes: &[u8]) -> Result<Self, CliError> {
         let name = PathBuf::from(name);
         let piped = Some(read_stream(&name, bytes)?);
         Ok(Self { name, piped })
@@ -95,11 +97,10 @@ impl Input {
     /// Takes the pattern of a family, as a FOLD file that was never written.
     ///
     /// # Errors
-    /// If a parameter is out of its range.
-    pub(crate) fn of_family(family: &Family) -> Result<Self, CliError> {
-        let (title, drawing) = (family.title(), family.drawing()?);
-        let mut bytes = Vec::new();
-        write_pattern(&title, &drawing, &mut bytes).map_err(CliError::Output)?;
+    /// If there is no such family, or a parameter is none of the family's or out of its range.
+    pub fn of_family(family: &Map<String, Value>) -> Result<Self, CliError> {
+        let (title, drawing) = generate(family)?;
+        let bytes = pattern_text(&title, &drawing).into_bytes();
         Ok(Self {
             name: format!("generate {title}").into(),
             piped: Some((bytes, Format::Fold)),
@@ -107,7 +108,10 @@ impl Input {
     }
 
     /// Returns the bytes, of a file of any format.
-    pub(crate) fn bytes(&self) -> Result<Cow<'_, [u8]>, CliError> {
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is too large.
+    pub fn bytes(&self) -> Result<Cow<'_, [u8]>, CliError> {
         match &self.piped {
             Some((bytes, _)) => Ok(bytes.into()),
             None => Ok(read_file(&self.name)?.into()),
@@ -142,11 +146,10 @@ impl Input {
     }
 
     /// Parses a crease pattern from the bytes of this input.
-    pub(crate) fn pattern(
-        &self,
-        bytes: &[u8],
-        options: &ReadOptions,
-    ) -> Result<PatternFile, CliError> {
+    ///
+    /// # Errors
+    /// If they hold no crease pattern.
+    pub fn pattern(&self, bytes: &[u8], options: &ReadOptions) -> Result<PatternFile, CliError> {
         let options = options.clone().with(|it| it.format = Some(self.format()));
         self.parsed_from(bytes, |name, bytes| {
             parse_pattern_with(name, bytes, &options)
@@ -170,7 +173,10 @@ impl Input {
     }
 
     /// Reads a motion.
-    pub(crate) fn motion(&self) -> Result<Motion, CliError> {
+    ///
+    /// # Errors
+    /// If the input holds no motion.
+    pub fn motion(&self) -> Result<Motion, CliError> {
         self.parsed(parse_motion)
     }
 
@@ -222,7 +228,7 @@ pub(crate) fn print_summary(
 ///
 /// # Errors
 /// If two options name stdin, or stdout would get a file and the object of `--json`.
-pub(crate) fn check_use(command: &Command) -> Result<(), CliError> {
+pub(crate) fn check_use(command: &Command, json: bool) -> Result<(), CliError> {
     let (inputs, outputs) = files(command);
     let standard = |files: Vec<(&'static str, &Path)>| -> Vec<&'static str> {
         let standard = files.into_iter().filter(|(_, path)| is_standard(path));
@@ -233,7 +239,7 @@ pub(crate) fn check_use(command: &Command) -> Result<(), CliError> {
             "{first} and {second}: expected one at most to be -, as stdin can be read only once"
         )));
     }
-    if let (Some(option), true) = (standard(outputs).first(), command.prints_json()) {
+    if let (Some(option), true) = (standard(outputs).first(), json) {
         return Err(CliError::Usage(format!(
             "{option}: expected a file, as --json writes its answer to stdout"
         )));
@@ -253,7 +259,7 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
         file.as_deref().map(|file| (option, file))
     }
     match command {
-        Command::Generate(args) => (vec![], vec![("-o", &args.family.output)]),
+        Command::Generate(args) => (vec![], vec![("-o", &args.output)]),
         // A process that plans for another has the streams for itself.
         Command::Batch(args) if args.worker => (vec![], vec![]),
         Command::Batch(args) => (vec![("DESIGNS", &args.designs)], vec![("-o", &args.output)]),
@@ -273,8 +279,9 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
         }
         Command::Check(args) => (vec![("PATH", &args.path)], vec![]),
         Command::Unfold(args) => (vec![("SHAPE", &args.shape)], vec![("-o", &args.output)]),
-        Command::View(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
-        Command::Plot(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
+        Command::View(args) | Command::Plot(args) => {
+            (vec![("PATH", &args.path)], vec![("-o", &args.output)])
+        }
         Command::Export(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
         Command::Stream(args) => {
             let inputs = [("PATH", args.path.as_path())].into_iter();
@@ -295,6 +302,6 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             let inputs = stdin.into_iter().chain(some("--key", &args.line.key));
             (inputs.collect(), vec![])
         }
-        Command::Pair(_) | Command::Completions(_) | Command::Man(_) => (vec![], vec![]),
+        Command::Pair(_) | Command::Completions { .. } | Command::Man { .. } => (vec![], vec![]),
     }
 }

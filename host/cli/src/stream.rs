@@ -5,7 +5,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::Instant;
 
-use foldpath_core::follower::{Denial, Fault, Reason, State};
+use foldpath_core::follower::{Denial, Fault, Reason};
 use foldpath_core::wire::message::ItemRefusal;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -90,10 +90,14 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
-        to => {
-            let (name, link) = reach::open(to, &args.line, key)?;
-            connected(&name, link, args, &path, host, bars)?
-        }
+        to => match reach::open(to, &args.line, key)? {
+            (_, Ok(mut link)) => session(&mut *link, args, &path, host, bars)?,
+            (name, Err(error)) => {
+                let mut summary = Summary::default();
+                summary.reason = Some(Ending::Line(format!("{name}: {error}")));
+                summary
+            }
+        },
     };
     report(args, &path, &summary, rigidity, quiet)?;
     Ok(summary.outcome == Outcome::Done)
@@ -163,48 +167,22 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     })
 }
 
-/// Runs a session over a link. Without a link, the outcome says that there is no device.
-fn connected(
-    name: &str,
-    link: io::Result<Box<dyn Link>>,
-    args: &Stream,
-    path: &StreamPath,
-    host: Host,
-    shown: bool,
-) -> Result<Summary, CliError> {
-    match link {
-        Ok(mut link) => session(&mut *link, args, path, host, shown),
-        Err(error) => {
-            let mut summary = Summary::default();
-            summary.reason = Some(Ending::Line(format!("{name}: {error}")));
-            Ok(summary)
-        }
-    }
-}
-
 /// Runs a session with the faults and the log that were asked for.
 fn session(
-    mut link: impl Link,
+    link: &mut dyn Link,
     args: &Stream,
     path: &StreamPath,
     host: Host,
     shown: bool,
 ) -> Result<Summary, CliError> {
-    match args.faults {
-        None => logged(&mut link, args, path, host, shown),
+    let mut faulty;
+    let mut link: &mut dyn Link = match args.faults {
+        None => link,
         Some(Seeded { value, seed }) => {
-            logged(&mut Faulty::new(link, value, seed), args, path, host, shown)
+            faulty = Faulty::new(link, value, seed);
+            &mut faulty
         }
-    }
-}
-
-fn logged(
-    link: &mut impl Link,
-    args: &Stream,
-    path: &StreamPath,
-    host: Host,
-    shown: bool,
-) -> Result<Summary, CliError> {
+    };
     let pressed = Arc::new(AtomicU8::new(0));
     let count = Arc::clone(&pressed);
     // If no handler can be set, Ctrl-C ends the process, and the controller holds because it hears nothing more.
@@ -237,7 +215,7 @@ fn logged(
     };
     let followed = watch
         .head()
-        .and_then(|()| stream::run(link, path, options, &mut watch));
+        .and_then(|()| stream::run(&mut link, path, options, &mut watch));
     followed.map_err(|error| match &watch.log {
         Some(log) => log.failed(error),
         None => CliError::Output(error),
@@ -386,7 +364,6 @@ impl Watch<'_> {
         } else {
             ""
         };
-        let state = state(telemetry.state);
         let last = times.len().saturating_sub(1);
         let lag = telemetry.lag.map_or_else(String::new, |lag| {
             format!(", lag {:.2} of hinge {}", lag.angle.to_degrees(), lag.hinge)
@@ -396,7 +373,8 @@ impl Watch<'_> {
         });
         let again = telemetry.retransmitted;
         let what = format!(
-            "{state}, knot {knot} of {last}, groups at{angles}{more} degrees{lag}{trip}, {again} items again"
+            "{:?}, knot {knot} of {last}, groups at{angles}{more} degrees{lag}{trip}, {again} items again",
+            telemetry.state
         );
         progress::show(bar, &what, Some(part.into()));
     }
@@ -404,8 +382,8 @@ impl Watch<'_> {
 
 impl Watcher for Watch<'_> {
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
-        let (time, state) = (telemetry.time, state(telemetry.state));
-        let mut row = format!("{time},{state},{}", telemetry.place.knot);
+        let (time, state) = (telemetry.time, telemetry.state);
+        let mut row = format!("{time},{state:?},{}", telemetry.place.knot);
         // No angles are known before the first motion.
         for group in 0..self.path.groups() {
             let angle = telemetry.angles.get(group);
@@ -452,18 +430,6 @@ impl Drop for Watch<'_> {
         if let Some(bar) = self.bar.take_if(|_| self.shown.is_some()) {
             bar.finish_and_clear();
         }
-    }
-}
-
-/// Returns the name of a state in the log.
-fn state(state: State) -> &'static str {
-    match state {
-        State::Idle => "Idle",
-        State::Ready => "Ready",
-        State::Running => "Running",
-        State::Holding => "Holding",
-        State::Done => "Done",
-        State::Faulted => "Faulted",
     }
 }
 

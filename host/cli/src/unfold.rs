@@ -39,7 +39,9 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
         source,
     })?;
     if let Some(drawing) = &unfolding.drawing {
-        write_whole_with(&args.output, |out| write_pattern(&file.title, drawing, out))?;
+        write_whole_with(&args.output, |mut out| {
+            write_pattern(&file.title, drawing, &mut out)
+        })?;
     }
     print_notes(quiet, &file.notes);
     print_notes(quiet, &unfolding.notes);

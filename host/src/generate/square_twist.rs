@@ -28,9 +28,10 @@ pub struct SquareTwist {
 }
 
 /// The two ways to letter a square twist.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Letters {
     /// Symmetric under half turns of the square with mountain and valley exchanged; the sheet folds.
+    #[default]
     Foldable,
     /// Symmetric under quarter turns of the square; the sheet does not fold.
     Unfoldable,

@@ -103,6 +103,14 @@ impl FileError {
         }
     }
 
+    /// Returns a function that makes an error about a file of one that the operating system reports.
+    pub fn io(path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |source| Self::Io {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+
     /// Returns the path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {

@@ -55,10 +55,7 @@ pub fn read_stream(path: &Path, source: impl Read) -> Result<(Vec<u8>, Format), 
     let mut bytes = Vec::new();
     let most = fold::LARGEST_FILE;
     let read = source.take(most + 1).read_to_end(&mut bytes);
-    read.map_err(|source| FileError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    read.map_err(FileError::io(path))?;
     let format = Format::of_content(&bytes);
     check_size(path, bytes.len(), format.largest_file())?;
     Ok((bytes, format))
@@ -143,10 +140,7 @@ pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
         file.take(most + 1).read_to_end(&mut bytes)?;
         Ok(bytes)
     };
-    let bytes = read().map_err(|source| FileError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let bytes = read().map_err(FileError::io(path))?;
     check_size(path, bytes.len(), most)?;
     Ok(bytes)
 }

@@ -27,16 +27,6 @@ pub enum RequestError {
         /// Name of the other one.
         other: &'static str,
     },
-    /// An option of exporting is given for a format that does not take it.
-    #[error("{option}: expected the format {}, found {found}", .takers.join(" or "))]
-    Format {
-        /// Name of the option, with `_` between its words.
-        option: &'static str,
-        /// Names of the formats that take it.
-        takers: Vec<&'static str>,
-        /// Name of the format.
-        found: &'static str,
-    },
     /// There is no option of this name.
     #[error("unexpected option {0}")]
     NoOption(String),

@@ -19,16 +19,15 @@ pub fn radians_hint(pattern: &CreasePattern, closure: Option<f64>) -> Option<Str
         .creases()
         .iter()
         .map(|&edge| pattern.edge(edge).goal);
-    let goals: Vec<Option<f64>> = goals.collect();
-    let largest = goals
+    let meant: Vec<Option<f64>> = goals.map(|goal| goal.map(f64::to_degrees)).collect();
+    let largest = meant
         .iter()
         .flatten()
-        .fold(0.0, |most: f64, goal| most.max(goal.to_degrees().abs()));
+        .fold(0.0, |most: f64, goal| most.max(goal.abs()));
     let closed = closure.is_none_or(|closure| closure <= CLOSED);
     if closed || largest <= 0.0 || largest > PI + SAME_ANGLE {
         return None;
     }
-    let meant: Vec<Option<f64>> = goals.iter().map(|goal| goal.map(f64::to_degrees)).collect();
     let closes = closure_of(pattern, &meant).is_some_and(|closure| closure <= NEARLY_CLOSED);
     (closes || (largest - PI).abs() <= SAME_ANGLE).then(|| {
         format!(
@@ -48,22 +47,18 @@ pub(super) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<Stri
             .map(|end| pattern.vertices()[end.index()]);
         (a + b) / 2.0
     };
-    let known = edge < pattern.edges().len();
-    let here = known.then(|| middle(EdgeId::new(edge)));
-    let hinges = pattern
-        .creases()
-        .iter()
-        .filter(|hinge| pattern.edge(**hinge).letter.sign().abs() > 0.0);
-    let far = |hinge: &EdgeId| match here {
-        Some(here) => (middle(*hinge) - here).norm(),
-        None => 0.0,
-    };
+    let here = (edge < pattern.edges().len()).then(|| middle(EdgeId::new(edge)));
+    let far = |hinge: &&EdgeId| here.map_or(0.0, |here| (middle(**hinge) - here).norm());
+    let hinges = pattern.creases().iter();
+    let hinges = hinges.filter(|hinge| pattern.edge(**hinge).letter.sign().abs() > 0.0);
     let nearest = hinges.min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    let letter = pattern.edge(*nearest).letter.code();
-    let edge = format!("edge {} ({letter})", nearest.index());
-    Some(if known {
-        format!("the nearest hinge is {edge}")
-    } else {
-        format!("{edge} is a hinge")
+    let edge = format!(
+        "edge {} ({})",
+        nearest.index(),
+        pattern.edge(*nearest).letter.code()
+    );
+    Some(match here {
+        Some(_) => format!("the nearest hinge is {edge}"),
+        None => format!("{edge} is a hinge"),
     })
 }

@@ -6,16 +6,16 @@
 //! [`PlanRequest::task`] asks its caller for the goals that a request names.
 //!
 //! ```
+//! use core::time::Duration;
 //! use std::path::Path;
 //!
-//! use foldpath::export::fold::write_pattern;
+//! use foldpath::export::fold::pattern_text;
 //! use foldpath::progress::Progress;
 //! use foldpath::read::parse_pattern;
-//! use foldpath::request::{Family, InputJson, PlanRequest, Request, RequestError};
+//! use foldpath::request::{InputJson, PlanJson, PlanRequest, Request, RequestError, generate};
 //!
-//! let family = Family::of(&serde_json::from_str(r#"{"family": "miura", "rows": 3, "cols": 3}"#)?)?;
-//! let mut bytes = Vec::new();
-//! write_pattern(&family.title(), &family.drawing()?, &mut bytes)?;
+//! let (title, drawing) = generate(&serde_json::from_str(r#"{"family": "miura", "rows": 3, "cols": 3}"#)?)?;
+//! let bytes = pattern_text(&title, &drawing).into_bytes();
 //! let name = Path::new("miura.fold");
 //! let file = parse_pattern(name, &bytes)?;
 //!
@@ -24,35 +24,28 @@
 //! request.set("symmetry", &"off".into())?;
 //! let no_file = |path: &Path, _: &_| Err(RequestError::Usage(format!("no file {}", path.display())));
 //! let task = request.task(name, &file, true, no_file)?;
-//! let planned = task.run(&file, &Progress::new());
-//! let input = InputJson::of(name, &bytes);
-//! let json = serde_json::to_value(planned.json(&request, &input, &file))?;
+//! let planned = task.run(&file, Duration::ZERO, &Progress::new());
+//! let input = InputJson::of(name, Some(&bytes));
+//! let json = serde_json::to_value(PlanJson::of(&planned, &request, &input, &file, None))?;
 //! assert_eq!(json["outcome"], "planned");
 //! assert_eq!(json["options"]["bound"], 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod check;
+mod answers;
 mod error;
 mod families;
-mod goal;
 mod hints;
-mod info;
-mod names;
 mod options;
 mod plan;
-mod plan_json;
 mod table;
 mod values;
 
-pub use check::CheckJson;
+pub use answers::{CauseJson, CheckJson, InputJson, PatternInfo, PlanJson};
 pub use error::RequestError;
-pub use families::{FAMILIES, Family, FamilyInfo};
+pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;
-pub use info::{CauseJson, PatternInfo, PatternInfoJson, Room};
-pub use names::{Frames, Switch};
 pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
 pub use plan::{PlanTask, Planned};
-pub use plan_json::{InputJson, PlanJson};
-pub use table::{Kind, OptionInfo, OptionValue, Request, Row, Shape, paragraphs};
-pub use values::{DrivenEdge, LimitedEdge};
+pub use table::{Kind, OptionInfo, Request, paragraphs};
+pub use values::{EdgeAngles, Frames, Switch};

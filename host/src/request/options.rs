@@ -9,14 +9,13 @@ use std::path::PathBuf;
 use foldpath_core::{Interpolation, Objective};
 
 use super::error::RequestError;
-use super::names::{Frames, Switch};
-use super::table::{self, Request as _, Row, options};
-use super::values::{DrivenEdge, LimitedEdge};
+use super::table::{self, options};
+use super::values::{EdgeAngles, Frames, Switch};
 use crate::check::CheckOptions;
 use crate::collision::CONTACT_EDGES;
+use crate::export::ExportOptions;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
-use crate::export::{ExportOptions, FORMATS, Format};
 use crate::folding::{BOUND, DEFAULT_BOUND};
 use crate::pattern::BEND_DEG;
 use crate::planner::{
@@ -27,12 +26,6 @@ use crate::planner::{
 use crate::read::{ColourLetters, ReadOptions, Straighten, TOLERANCE};
 use crate::util::range::Range;
 
-/// Fraction of a half turn.
-const FOLD: Range = Range::from("a fraction", 0.0).up_to(1.0);
-/// Rows of a table.
-const RATE_HZ: Range = Range::above("a frequency in Hz", 0.0);
-/// Frames of an animation.
-const FRAMES: Range = Range::from("a number of frames", 2.0).up_to(2000.0);
 /// Time after which a command stops.
 pub(super) const TIMEOUT_S: Range = Range::from("seconds", 0.0);
 
@@ -40,22 +33,23 @@ options! {
     /// Options of a plan. They serialise to the `options` of the answer, in this order.
     PlanRequest for PlanOptions {
         /// FOLD file of the same sheet whose fold angles are the goal
-        goal: Option<PathBuf> = None, heading: "Goal", excludes: &["fold", "crease"];
+        goal: Option<PathBuf> = None, heading: "Goal", excludes: &["fold", "crease"] => |_, _| ();
 
         /// Fold each crease by this fraction of a half turn, as its letter says
         ///
         /// With 0 the goal is the flat sheet. Together with --via the path then leads back to flat.
-        fold: Option<f64> = None, heading: "Goal", range: Some(FOLD), excludes: &["crease"];
+        fold: Option<f64> = None, heading: "Goal", excludes: &["crease"],
+            range: Some(Range::from("a fraction", 0.0).up_to(1.0)) => |_, _| ();
 
         /// Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable
         ///
         /// Edges are counted from 0.
-        crease: Vec<DrivenEdge> = Vec::new(), heading: "Goal", value_name: "I=DEG";
+        crease: Vec<EdgeAngles<1>> = Vec::new(), heading: "Goal", value_name: "I=DEG" => |_, _| ();
 
         /// FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable
         ///
         /// The path passes through several such files in the order given.
-        via: Vec<PathBuf> = Vec::new(), heading: "Goal", value_name: "FILE";
+        via: Vec<PathBuf> = Vec::new(), heading: "Goal", value_name: "FILE" => |_, _| ();
 
         /// Largest distance of a crease from its goal angle at the end of the path, degrees
         goal_tolerance: f64 = DEFAULT_GOAL_TOLERANCE_DEG, heading: "Goal", value_name: "DEG",
@@ -64,18 +58,16 @@ options! {
         /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
         ///
         /// Edges are counted from 0.
-        limit: Vec<LimitedEdge> = Vec::new(), heading: "Limits", value_name: "I=MIN..MAX";
+        limit: Vec<EdgeAngles<2>> = Vec::new(), heading: "Limits", value_name: "I=MIN..MAX" => |_, _| ();
 
         /// Write the path as far as it goes, even if the answer is no
-        keep: bool = false, heading: "Path written", requires: "output";
+        keep: bool = false, heading: "Path written", requires: "output" => |_, _| ();
 
         /// Unknowns of the plan: crease groups, or single creases
-        symmetry: Symmetry = Symmetry::default(), heading: "Method"
-            => |plan, symmetry| plan.symmetry = *symmetry;
+        symmetry: Symmetry = Symmetry::default(), heading: "Method";
 
         /// Vertices whose closure conditions are solved
-        vertices: Vertices = Vertices::default(), heading: "Method"
-            => |plan, vertices| plan.vertices = *vertices;
+        vertices: Vertices = Vertices::default(), heading: "Method";
 
         /// Earlier name of an option: `--reuse off` is `--vertices all`
         reuse: Symmetry = Symmetry::Auto, heading: "Method", is_earlier_name: true
@@ -86,8 +78,7 @@ options! {
             => |plan, collision| plan.collision = *collision == Switch::On;
 
         /// Interpolation of the motion between knots
-        interpolation: Option<Interpolation> = None, heading: "Path written"
-            => |plan, interpolation| plan.interpolation = *interpolation;
+        interpolation: Option<Interpolation> = None, heading: "Path written";
 
         /// Largest speed of a hinge, degrees per second
         max_speed: f64 = DEFAULT_MAX_SPEED_DEG_PER_S, heading: "Limits", value_name: "DEG_PER_S",
@@ -101,27 +92,25 @@ options! {
             => |plan, degrees| plan.max_acceleration = degrees.map(f64::to_radians);
 
         /// Time law along the path
-        pace: Timing = Timing::default(), heading: "Path written" => |plan, pace| plan.pace = *pace;
+        pace: Timing = Timing::default(), heading: "Path written";
 
         /// Largest number of knots of the path [default: no limit]
-        max_knots: Option<usize> = None, heading: "Path written", value_name: "N"
-            => |plan, knots| plan.max_knots = *knots;
+        max_knots: Option<usize> = None, heading: "Path written", value_name: "N";
 
         /// Data that each knot stores
-        frames: Frames = Frames::default(), heading: "Path written";
+        frames: Frames = Frames::default(), heading: "Path written" => |_, _| ();
 
         /// Solver that closes the sheet
-        solver: Solver = Solver::default(), heading: "Method" => |plan, solver| plan.solver = *solver;
+        solver: Solver = Solver::default(), heading: "Method";
 
         /// Method by which the path is found
-        search: Search = Search::default(), heading: "Method" => |plan, search| plan.search = *search;
+        search: Search = Search::default(), heading: "Method";
 
         /// Objective by which the randomised search measures closure
-        objective: Objective = Objective::default(), heading: "Method"
-            => |plan, objective| plan.objective = *objective;
+        objective: Objective = Objective::default(), heading: "Method";
 
         /// Seed of all random numbers
-        seed: u64 = 0, heading: "Method" => |plan, seed| plan.seed = *seed;
+        seed: u64 = 0, heading: "Method";
 
         /// Stop after this time, seconds, counted from the start of the command [default: no limit]
         timeout: Option<f64> = None, heading: "Limits", value_name: "SECONDS", range: Some(TIMEOUT_S)
@@ -145,8 +134,7 @@ options! {
         /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that
         /// faces give one vertex, over the median edge. A note says so if rounding alone may exceed the bound, as for
         /// sheets that lie 1e11 edge lengths from the origin.
-        bound: f64 = DEFAULT_BOUND, heading: "Limits", range: Some(BOUND)
-            => |check, bound| check.bound = *bound;
+        bound: f64 = DEFAULT_BOUND, heading: "Limits", range: Some(BOUND);
 
         /// Largest angle by which panels may bend about their diagonals, degrees
         ///
@@ -159,8 +147,7 @@ options! {
         ///
         /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last
         /// digit if they are rounded. In front of a small face, at most a thousandth of the face counts.
-        contact: Option<f64> = None, heading: "Limits", value_name: "EDGES", range: Some(CONTACT_EDGES)
-            => |check, edges| check.contact = *edges;
+        contact: Option<f64> = None, heading: "Limits", value_name: "EDGES", range: Some(CONTACT_EDGES);
     }
 }
 
@@ -171,14 +158,12 @@ options! {
         ///
         /// By default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance
         /// that keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
-        tolerance: Option<f64> = None, heading: "Drawing", value_name: "LENGTH", range: Some(TOLERANCE)
-            => |read, tolerance| read.tolerance = *tolerance;
+        tolerance: Option<f64> = None, heading: "Drawing", value_name: "LENGTH", range: Some(TOLERANCE);
 
         /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
         ///
         /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
-        straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN"
-            => |read, straighten| read.straighten = *straighten;
+        straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN";
 
         /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
         ///
@@ -196,43 +181,19 @@ options! {
         /// With csv: rows a second, and one for the end [default: a row for each knot]
         ///
         /// The first column is the time t in seconds; angles are in degrees, valley positive.
-        rate: Option<f64> = None, value_name: "HZ", range: Some(RATE_HZ)
-            => |export, rate| export.rate = *rate;
+        rate: Option<f64> = None, value_name: "HZ", range: Some(Range::above("a frequency in Hz", 0.0));
 
         /// With csv and --rate: what has a column
-        per: Column = Column::Hinge, requires: "rate" => |export, per| export.per = *per;
+        per: Column = Column::Hinge, requires: "rate";
 
         /// With obj or glb: number of frames, 2 to 2000, evenly spaced in time
         ///
         /// By default obj has one frame for each knot. By default glb also has frames between the knots, so that no hinge
         /// turns by more than 6 degrees from one frame to the next.
-        frames: Option<usize> = None, value_name: "N", range: Some(FRAMES)
-            => |export, frames| export.frames = *frames;
+        frames: Option<usize> = None, value_name: "N", range: Some(Range::from("a number of frames", 2.0).up_to(2000.0));
 
         /// With svg: meaning of the colours
-        colour: Colour = Colour::Letters => |export, colour| export.colour = *colour;
-    }
-}
-
-impl ExportRequest {
-    /// Checks that a format takes the options that are given.
-    ///
-    /// # Errors
-    /// The first option that the format does not take.
-    pub fn check_for(&self, format: &Format) -> Result<(), RequestError> {
-        let given = Self::TABLE.iter().filter(|row| row.is_given(self));
-        let mut others = given.filter(|row| !format.options.contains(&row.info.name));
-        let Some(Row { info, .. }) = others.next() else {
-            return Ok(());
-        };
-        let takers = FORMATS
-            .iter()
-            .filter(|format| format.options.contains(&info.name));
-        Err(RequestError::Format {
-            option: info.name,
-            takers: takers.map(|format| format.name).collect(),
-            found: format.name,
-        })
+        colour: Colour = Colour::Letters;
     }
 }
 

@@ -1,15 +1,18 @@
-//! A request for a pattern that was read, and what became of it.
+//! A request for a pattern that was read: goal and limits that it names, and what became of it.
 
 use core::time::Duration;
 use std::path::Path;
 
 use super::error::RequestError;
-use super::goal::NamedGoal;
-use super::names::Frames;
+use super::hints::nearest_hinge;
 use super::options::PlanRequest;
 use super::table::Request as _;
-use crate::pattern::CreasePattern;
-use crate::planner::{Foldability, Goal, Outcome, Plan, PlanOptions, forecast, plan_watched};
+use super::values::{EdgeAngles, Frames};
+use crate::pattern::{CreaseId, CreasePattern};
+use crate::planner::{
+    Foldability, Goal, GoalError, HingeLimit, Outcome, Plan, PlanOptions, Search, forecast,
+    plan_watched,
+};
 use crate::progress::{Progress, Watch};
 use crate::read::fold::PatternFile;
 use crate::symmetry::CreaseGroups;
@@ -17,6 +20,9 @@ use crate::util::clock::Instant;
 
 /// Largest number of causes that a plan's notes name; [`PatternInfo`](super::PatternInfo) names them all.
 const MAX_CAUSES: usize = 5;
+
+/// Angles (radians) of the creases of a pattern, read from a file, and the name of the file in messages.
+type NamedGoal = (String, Vec<Option<f64>>);
 
 /// Goal and options of a plan for one pattern.
 pub struct PlanTask {
@@ -56,36 +62,143 @@ impl PlanRequest {
             options,
         })
     }
+
+    /// Returns the goal. `name` is the name of the pattern's file, and `read_goal` reads a file that the request names.
+    fn goal_of<E: From<RequestError>>(
+        &self,
+        name: &Path,
+        pattern: &CreasePattern,
+        read_goal: impl Fn(&Path, &CreasePattern) -> Result<NamedGoal, E>,
+    ) -> Result<Goal, E> {
+        let bad = |source: GoalError| match source {
+            GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
+                RequestError::option("crease", source.to_string())
+            }
+            GoalError::Fraction(_) => RequestError::option("fold", source.to_string()),
+            _ => RequestError::Goal {
+                file: name.display().to_string(),
+                source,
+            },
+        };
+        let chosen = |path: &Path| -> Result<Goal, E> {
+            let (name, angles) = read_goal(path, pattern)?;
+            let source = format!("the goal angles of {name}");
+            Ok(Goal::chosen(pattern, angles, source))
+        };
+        if !self.via.is_empty() && self.search == Search::Random {
+            let problem = "expected search auto or path, as the randomised search knows no phases";
+            return Err(RequestError::option("via", problem).into());
+        }
+        let mut goal = match (&self.goal, self.fold, &self.crease[..]) {
+            (Some(path), ..) => chosen(path)?,
+            // The path begins at the flat sheet, and with `via` it goes back to it.
+            (None, Some(fraction), _) if fraction <= 0.0 => {
+                let angles = vec![Some(0.0); pattern.creases().len()];
+                Goal::chosen(pattern, angles, "the flat sheet".into())
+            }
+            (None, Some(fraction), _) => Goal::of_letters(pattern, fraction).map_err(bad)?,
+            (None, None, []) => Goal::of_pattern(pattern).map_err(bad)?,
+            (None, None, driven) => {
+                let driven = driven.iter().map(
+                    |&EdgeAngles {
+                         edge,
+                         degrees: [degrees],
+                     }| {
+                        Ok((crease(pattern, "crease", edge)?, degrees.to_radians()))
+                    },
+                );
+                let driven: Vec<_> = driven.collect::<Result<_, RequestError>>()?;
+                Goal::of_creases(pattern, &driven).map_err(bad)?
+            }
+        };
+        let via = self.via.iter().map(|path| chosen(path));
+        goal.via = via.collect::<Result<_, _>>()?;
+        Ok(goal)
+    }
+
+    /// Returns the limits of the hinges.
+    fn limits_of(&self, pattern: &CreasePattern) -> Result<Vec<HingeLimit>, RequestError> {
+        let limit = |limit: &EdgeAngles<2>| {
+            let [lower, upper] = limit.degrees.map(f64::to_radians);
+            let crease = crease(pattern, "limit", limit.edge)?;
+            Ok(HingeLimit {
+                crease,
+                lower,
+                upper,
+            })
+        };
+        self.limit.iter().map(limit).collect()
+    }
+
+    /// Returns a note for each limit that leaves its crease no room at all in the direction in which the crease is to
+    /// turn. No outcome says so.
+    fn held_flat(&self, pattern: &CreasePattern, goal: &Goal) -> Vec<String> {
+        let note = |&EdgeAngles {
+                        edge: index,
+                        degrees: [lower, upper],
+                    }: &EdgeAngles<2>| {
+            let edge = pattern.edges().get(index)?;
+            let asked = goal.fold_angles[edge.crease?.index()];
+            let (way, what) = match (edge.letter.sign(), asked) {
+                (_, Some(asked)) if asked.abs() <= 0.0 => return None,
+                (sign, _) if sign.abs() > 0.0 => (sign, format!("lettered {}", edge.letter.code())),
+                (_, asked) => {
+                    let degrees = asked?.to_degrees();
+                    (degrees, format!("whose goal is {degrees:.6} degrees"))
+                }
+            };
+            let (room, side) = if way < 0.0 {
+                (lower < 0.0, "below")
+            } else {
+                (upper > 0.0, "above")
+            };
+            (!room).then(|| {
+                format!(
+                    "edge {index}, {what}, turns to angles {side} 0, of which its limit of {lower}..{upper} degrees \
+                     leaves none: it stays flat"
+                )
+            })
+        };
+        self.limit.iter().filter_map(note).collect()
+    }
+}
+
+/// Returns the crease of an edge that an option names.
+fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId, RequestError> {
+    let found = pattern.edges().get(edge);
+    found.and_then(|edge| edge.crease).ok_or_else(|| {
+        let found = match found {
+            Some(edge) => format!("it is lettered {}", edge.letter.code()),
+            None => format!("edges go from 0 to {}", pattern.edges().len() - 1),
+        };
+        RequestError::Option {
+            option: option.into(),
+            problem: format!("edge {edge}: expected a hinge between two faces, but {found}"),
+            hint: nearest_hinge(pattern, edge),
+        }
+    })
 }
 
 impl PlanTask {
-    /// Takes the time that reading took from the time that is allowed.
+    /// Plans, in the time that is left after `spent`. The motion gets the title of the file.
     #[must_use]
-    pub fn after(mut self, read: Duration) -> Self {
-        let timeout = self.options.timeout;
-        self.options.timeout = timeout.map(|time| time.saturating_sub(read));
-        self
-    }
-
-    /// Plans. The motion gets the title of the file.
-    #[must_use]
-    pub fn run(self, file: &PatternFile, progress: &Progress) -> Planned {
-        let timeout = self.options.timeout;
+    pub fn run(mut self, file: &PatternFile, spent: Duration, progress: &Progress) -> Planned {
+        let timeout = self.options.timeout.map(|time| time.saturating_sub(spent));
+        self.options.timeout = timeout;
         let deadline = timeout.and_then(|time| Instant::now().checked_add(time));
         let mut plan = plan_watched(&file.pattern, &self.goal, &self.options, progress);
         if let Some(motion) = &mut plan.motion {
             motion.title.clone_from(&file.title);
         }
-        let watch = Watch::new(progress).until(deadline);
+        let mut remarks = self.held_flat;
+        if self.is_own_goal {
+            let watch = Watch::new(progress).until(deadline);
+            remarks.extend(in_the_way(&file.pattern, plan.outcome, watch));
+        }
         Planned {
-            in_the_way: if self.is_own_goal {
-                in_the_way(&file.pattern, plan.outcome, watch)
-            } else {
-                Vec::new()
-            },
-            held_flat: self.held_flat,
             goal: self.goal,
             plan,
+            remarks,
         }
     }
 }
@@ -96,10 +209,8 @@ pub struct Planned {
     pub goal: Goal,
     /// The plan.
     pub plan: Plan,
-    /// A note for each limit that holds its crease flat.
-    pub(super) held_flat: Vec<String>,
-    /// A note for each cause, if the answer is no.
-    pub(super) in_the_way: Vec<String>,
+    /// A note for each limit that holds its crease flat and, if the answer is no, for each cause.
+    pub(super) remarks: Vec<String>,
 }
 
 impl Planned {

@@ -22,14 +22,16 @@ pub struct OptionInfo {
     pub heading: &'static str,
     /// The first paragraph says what it is.
     pub text: &'static str,
-    /// Values that it takes.
-    pub shape: Shape,
+    /// Kind of a single value.
+    pub kind: Kind,
+    /// `true` if the option may have no value.
+    pub is_optional: bool,
+    /// `true` if the option may be given several times.
+    pub is_repeated: bool,
     /// Range of a number, if it is one.
     pub range: Option<Range>,
     /// Returns its value if none is given, as JSON.
     pub default: fn() -> Value,
-    /// `true` if a value has to be given.
-    pub is_required: bool,
     /// Name of its value in the help; empty for its own name.
     pub value_name: &'static str,
     /// Options that cannot be given beside it.
@@ -41,24 +43,29 @@ pub struct OptionInfo {
 }
 
 impl OptionInfo {
-    pub(super) const EMPTY: Self = Self {
-        name: "",
-        alias: "",
-        heading: "",
-        text: "",
-        shape: f64::SHAPE,
-        range: None,
-        default: || Value::Null,
-        is_required: false,
-        value_name: "",
-        excludes: &[],
-        requires: "",
-        is_earlier_name: false,
-    };
+    /// An option without a default: it has to be given.
+    pub(super) const fn new(name: &'static str, kind: Kind) -> Self {
+        Self {
+            name,
+            alias: "",
+            heading: "",
+            text: "",
+            kind,
+            is_optional: false,
+            is_repeated: false,
+            range: None,
+            default: || Value::Null,
+            value_name: "",
+            excludes: &[],
+            requires: "",
+            is_earlier_name: false,
+        }
+    }
 
-    /// Returns `true` if this is a name of the option.
-    pub(super) fn is_called(&self, name: &str) -> bool {
-        [self.name, self.alias].contains(&name)
+    /// Returns `true` if a value has to be given.
+    #[must_use]
+    pub fn is_required(&self) -> bool {
+        !self.is_optional && (self.default)().is_null()
     }
 
     /// Returns the name on the command line, without the dashes before it.
@@ -76,18 +83,6 @@ impl OptionInfo {
 pub fn paragraphs(text: &str) -> impl Iterator<Item = String> {
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     text.split("\n\n").map(words)
-}
-
-/// Values that an option takes.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct Shape {
-    /// Kind of a single value.
-    pub kind: Kind,
-    /// `true` if the option may have no value.
-    pub is_optional: bool,
-    /// `true` if the option may be given several times.
-    pub is_repeated: bool,
 }
 
 /// Kind of a value.
@@ -113,50 +108,43 @@ pub enum Kind {
 }
 
 /// A type of values of options.
-pub trait OptionValue: Sized {
-    /// The values.
-    const SHAPE: Shape;
+pub(super) trait OptionValue: Sized {
+    /// Kind of a single value.
+    const KIND: Kind;
+    /// `true` if there may be none.
+    const IS_OPTIONAL: bool = false;
+    /// `true` if there may be several.
+    const IS_REPEATED: bool = false;
 
-    /// Parses a word of the command line; `Err` says what is expected.
-    ///
-    /// # Errors
-    /// If the word is no such value.
-    fn parse(word: &str) -> Result<Self, String>;
+    /// Makes the value of one of JSON: a number or text, as on the command line. `Err` says what is expected, and what was
+    /// found.
+    fn read(value: &Value) -> Result<Self, String>;
 
     /// Returns the value for JSON.
     fn json(&self) -> Value;
-
-    /// Makes the value of one of JSON: a number or text, as on the command line.
-    ///
-    /// # Errors
-    /// If there is no such value; the text says what is expected, and what was found.
-    fn read(value: &Value) -> Result<Self, String> {
-        let word = match value {
-            Value::String(text) => text.clone(),
-            Value::Number(number) => number.to_string(),
-            _ => return Err(format!("expected a number or text, found {value}")),
-        };
-        Self::parse(&word).map_err(|expected| format!("{expected}, found {word}"))
-    }
 }
 
-/// Returns the shape of single values that have to be given.
-pub(super) const fn shape(kind: Kind) -> Shape {
-    Shape {
-        kind,
-        is_optional: false,
-        is_repeated: false,
-    }
+/// Reads a number or text of JSON as a word of the command line.
+pub(super) fn word<T>(
+    value: &Value,
+    expected: &str,
+    parse: impl FnOnce(&str) -> Option<T>,
+) -> Result<T, String> {
+    let word = match value {
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.to_string(),
+        _ => return Err(format!("expected a number or text, found {value}")),
+    };
+    parse(&word).ok_or_else(|| format!("expected {expected}, found {word}"))
 }
 
 macro_rules! parsed_values {
     ($($Type:ty: $kind:ident, $expected:literal, $is_good:expr;)*) => {
         $(impl OptionValue for $Type {
-            const SHAPE: Shape = shape(Kind::$kind);
+            const KIND: Kind = Kind::$kind;
 
-            fn parse(word: &str) -> Result<Self, String> {
-                let value = word.parse().ok().filter($is_good);
-                value.ok_or_else(|| concat!("expected ", $expected).into())
+            fn read(value: &Value) -> Result<Self, String> {
+                word(value, $expected, |word| word.parse().ok().filter($is_good))
             }
 
             fn json(&self) -> Value {
@@ -173,27 +161,23 @@ parsed_values! {
 }
 
 impl OptionValue for bool {
-    const SHAPE: Shape = shape(Kind::Flag);
-
-    fn parse(_: &str) -> Result<Self, String> {
-        Err("expected true or false".into())
-    }
-
-    fn json(&self) -> Value {
-        Value::from(*self)
-    }
+    const KIND: Kind = Kind::Flag;
 
     fn read(value: &Value) -> Result<Self, String> {
         let expected = || format!("expected true or false, found {value}");
         value.as_bool().ok_or_else(expected)
     }
+
+    fn json(&self) -> Value {
+        Value::from(*self)
+    }
 }
 
 impl OptionValue for PathBuf {
-    const SHAPE: Shape = shape(Kind::File);
+    const KIND: Kind = Kind::File;
 
-    fn parse(word: &str) -> Result<Self, String> {
-        Ok(word.into())
+    fn read(value: &Value) -> Result<Self, String> {
+        word(value, "a file", |word| Some(word.into()))
     }
 
     fn json(&self) -> Value {
@@ -202,37 +186,21 @@ impl OptionValue for PathBuf {
 }
 
 impl<T: OptionValue> OptionValue for Option<T> {
-    const SHAPE: Shape = Shape {
-        is_optional: true,
-        ..T::SHAPE
-    };
+    const KIND: Kind = T::KIND;
+    const IS_OPTIONAL: bool = true;
 
-    fn parse(word: &str) -> Result<Self, String> {
-        T::parse(word).map(Some)
+    fn read(value: &Value) -> Result<Self, String> {
+        T::read(value).map(Some)
     }
 
     fn json(&self) -> Value {
         self.as_ref().map_or(Value::Null, T::json)
     }
-
-    fn read(value: &Value) -> Result<Self, String> {
-        T::read(value).map(Some)
-    }
 }
 
 impl<T: OptionValue> OptionValue for Vec<T> {
-    const SHAPE: Shape = Shape {
-        is_repeated: true,
-        ..T::SHAPE
-    };
-
-    fn parse(word: &str) -> Result<Self, String> {
-        Ok(vec![T::parse(word)?])
-    }
-
-    fn json(&self) -> Value {
-        self.iter().map(T::json).collect()
-    }
+    const KIND: Kind = T::KIND;
+    const IS_REPEATED: bool = true;
 
     fn read(value: &Value) -> Result<Self, String> {
         match value {
@@ -240,44 +208,65 @@ impl<T: OptionValue> OptionValue for Vec<T> {
             value => Ok(vec![T::read(value)?]),
         }
     }
-}
 
-/// A row of a table of the options `R`.
-pub struct Row<R: Request> {
-    /// The part that users see.
-    pub info: OptionInfo,
-    pub(super) set: fn(&mut R, &Value) -> Result<(), String>,
-    pub(super) json: fn(&R) -> Value,
-    /// Applies the option to the options of those who do the work.
-    pub(super) apply: fn(&R, &mut R::Options),
-}
-
-impl<R: Request> Row<R> {
-    /// Returns `true` if the option is not what it is by default.
-    pub(super) fn is_given(&self, request: &R) -> bool {
-        (self.json)(request) != (self.info.default)()
+    fn json(&self) -> Value {
+        self.iter().map(T::json).collect()
     }
 }
 
-/// A set of options with their table. The sets that it includes come behind its own rows.
+/// A set of options, made of its table. The sets that it includes come behind its own options.
 pub trait Request: Clone + Default + PartialEq + 'static {
     /// The options in the units of those who do the work.
-    type Options;
-    /// The rows of its own.
-    const TABLE: &'static [Row<Self>];
+    type Options: Default;
+
+    /// Returns what users see of all options, with their values, in their order.
+    fn rows(&self) -> Vec<(OptionInfo, Value)>;
+
+    /// Does what [`set`](Self::set) does, for a name with `_`. Returns `false` if there is no such option.
+    ///
+    /// # Errors
+    /// If the value is of another kind.
+    fn give(&mut self, name: &str, value: &Value) -> Result<bool, String>;
+
+    /// Applies the options to the options of those who do the work.
+    fn apply(&self, options: &mut Self::Options);
 
     /// Returns what users see of all options, in their order.
     #[must_use]
-    fn infos() -> Vec<OptionInfo>;
+    fn infos() -> Vec<OptionInfo> {
+        let rows = Self::default().rows().into_iter();
+        rows.map(|(info, _)| info).collect()
+    }
 
-    /// Returns the values of all options by their names, in their order.
-    fn values(&self) -> Vec<(&'static str, Value)>;
+    /// Returns the options that are not what they are by default.
+    fn given(&self) -> Vec<(OptionInfo, Value)> {
+        let mut rows = self.rows();
+        rows.retain(|(info, value)| *value != (info.default)());
+        rows
+    }
 
     /// Returns the options for those who do the work.
     ///
     /// # Errors
     /// If an option is out of its range, or options exclude each other.
-    fn options(&self) -> Result<Self::Options, RequestError>;
+    fn options(&self) -> Result<Self::Options, RequestError> {
+        let given = self.given();
+        for (info, value) in &given {
+            if let (Some(range), Some(found)) = (info.range, value.as_f64())
+                && !range.contains(found)
+            {
+                return Err(info.refused(&format!("expected {range}, found {found}")));
+            }
+            let is_given = |other: &&&str| given.iter().any(|(info, _)| info.name == **other);
+            if let Some(other) = info.excludes.iter().find(is_given) {
+                let option = info.name;
+                return Err(RequestError::Excluded { option, other });
+            }
+        }
+        let mut options = Self::Options::default();
+        self.apply(&mut options);
+        Ok(options)
+    }
 
     /// Sets the option `name`, with `_` or `-` between its words.
     ///
@@ -289,17 +278,12 @@ pub trait Request: Clone + Default + PartialEq + 'static {
     /// If there is no such option, or the value is of another kind. Ranges are judged by [`options`](Self::options).
     fn set(&mut self, name: &str, value: &Value) -> Result<(), RequestError> {
         let name = name.replace('-', "_");
-        if self.give(&name, value)? {
-            return Ok(());
+        match self.give(&name, value) {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(RequestError::NoOption(name)),
+            Err(problem) => Err(RequestError::option(&name, problem)),
         }
-        Err(RequestError::NoOption(name))
     }
-
-    /// Does what [`set`](Self::set) does, for a name with `_`. Returns `false` if there is no such option.
-    ///
-    /// # Errors
-    /// If the value is of another kind.
-    fn give(&mut self, name: &str, value: &Value) -> Result<bool, RequestError>;
 
     /// Returns the default options with those of a JSON object set.
     ///
@@ -314,56 +298,11 @@ pub trait Request: Clone + Default + PartialEq + 'static {
     }
 }
 
-/// Sets an option of the set's own rows; see [`Request::give`].
-pub(super) fn give<R: Request>(
-    request: &mut R,
-    name: &str,
-    value: &Value,
-) -> Result<bool, RequestError> {
-    let Some(row) = R::TABLE.iter().find(|row| row.info.is_called(name)) else {
-        return Ok(false);
-    };
-    if !value.is_null() {
-        let set = (row.set)(request, value);
-        set.map_err(|problem| row.info.refused(&problem))?;
-    }
-    Ok(true)
-}
-
-/// Returns the values of the set's own rows.
-pub(super) fn values<R: Request>(request: &R) -> impl Iterator<Item = (&'static str, Value)> {
-    let rows = R::TABLE.iter().filter(|row| !row.info.is_earlier_name);
-    rows.map(|row| (row.info.name, (row.json)(request)))
-}
-
-/// Applies the set's own rows to `options`.
-pub(super) fn apply<R: Request>(request: &R, options: &mut R::Options) -> Result<(), RequestError> {
-    let given = |name: &str| {
-        let row = R::TABLE.iter().find(|row| row.info.name == name);
-        row.is_some_and(|row| row.is_given(request))
-    };
-    for row in R::TABLE {
-        let info = &row.info;
-        if let (Some(range), Some(found)) = (info.range, (row.json)(request).as_f64())
-            && !range.contains(found)
-        {
-            return Err(info.refused(&format!("expected {range}, found {found}")));
-        }
-        let other = info.excludes.iter().find(|other| given(other));
-        if let Some(other) = other.filter(|_| given(info.name)) {
-            let option = info.name;
-            return Err(RequestError::Excluded { option, other });
-        }
-        (row.apply)(request, options);
-    }
-    Ok(())
-}
-
 /// Makes a set of options of its table.
 ///
 /// A row has the option's text as documentation, its name, type and default, then what else its [`OptionInfo`] has, and
-/// behind `=>` what its value means for the options in the units of those who do the work. Then come sets that are included,
-/// as fields.
+/// behind `=>` what its value means for the options in the units of those who do the work; without `=>` it is their field of
+/// the same name. Then come sets that are included, as fields.
 macro_rules! options {
     (
         $(#[$about:meta])*
@@ -397,58 +336,54 @@ macro_rules! options {
         impl table::Request for $Request {
             type Options = $Options;
 
-            const TABLE: &'static [table::Row<Self>] = &[$(table::Row {
-                info: table::OptionInfo {
-                    name: stringify!($name),
-                    text: concat!($($text, "\n"),+),
-                    shape: <$Type as table::OptionValue>::SHAPE,
-                    default: || <$Type as table::OptionValue>::json(&$default),
-                    $($key: $value,)*
-                    ..table::OptionInfo::EMPTY
-                },
-                set: |request, value| {
-                    request.$name = table::OptionValue::read(value)?;
-                    Ok(())
-                },
-                json: |request| table::OptionValue::json(&request.$name),
-                apply: |_request, _options| {
-                    $(
-                        let apply: fn(&mut $Options, &$Type) = $apply;
-                        apply(_options, &_request.$name);
-                    )?
-                },
-            },)*];
-
-            fn infos() -> Vec<table::OptionInfo> {
-                let own = Self::TABLE.iter().map(|row| row.info);
-                own$($(.chain(<$Inner>::infos()))*)?.collect()
+            fn rows(&self) -> Vec<(table::OptionInfo, serde_json::Value)> {
+                let own = [$((
+                    table::OptionInfo {
+                        text: concat!($($text, "\n"),+),
+                        is_optional: <$Type as table::OptionValue>::IS_OPTIONAL,
+                        is_repeated: <$Type as table::OptionValue>::IS_REPEATED,
+                        default: || <$Type as table::OptionValue>::json(&$default),
+                        $($key: $value,)*
+                        ..table::OptionInfo::new(stringify!($name), <$Type as table::OptionValue>::KIND)
+                    },
+                    table::OptionValue::json(&self.$name),
+                )),*];
+                own.into_iter()$($(.chain(self.$inner.rows()))*)?.collect()
             }
 
-            fn values(&self) -> Vec<(&'static str, serde_json::Value)> {
-                table::values(self)$($(.chain(self.$inner.values()))*)?.collect()
+            fn give(&mut self, name: &str, value: &serde_json::Value) -> Result<bool, String> {
+                match name {
+                    $(stringify!($name) if value.is_null() => {}
+                    stringify!($name) => self.$name = table::OptionValue::read(value)?,)*
+                    _ => return Ok(false $($(|| self.$inner.give(name, value)?)*)?),
+                }
+                Ok(true)
             }
 
-            fn give(&mut self, name: &str, value: &serde_json::Value) -> Result<bool, RequestError> {
-                let is_own = table::give(self, name, value)?;
-                Ok(is_own $($(|| self.$inner.give(name, value)?)*)?)
-            }
-
-            fn options(&self) -> Result<$Options, RequestError> {
-                let mut options = <$Options>::default();
-                table::apply(self, &mut options)?;
+            fn apply(&self, options: &mut $Options) {
+                $(table::options!(@apply options, $name, &self.$name, $Options, $Type $(, $apply)?);)*
                 $($(
                     let apply: fn(&mut $Options, <$Inner as table::Request>::Options) = $apply_inner;
-                    apply(&mut options, self.$inner.options()?);
+                    let mut inner = Default::default();
+                    self.$inner.apply(&mut inner);
+                    apply(options, inner);
                 )*)?
-                Ok(options)
             }
         }
 
         impl serde::Serialize for $Request {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                serializer.collect_map(table::Request::values(self))
+                let rows = table::Request::rows(self).into_iter().filter(|(info, _)| !info.is_earlier_name);
+                serializer.collect_map(rows.map(|(info, value)| (info.name, value)))
             }
         }
+    };
+    (@apply $options:ident, $name:ident, $value:expr, $Options:ty, $Type:ty) => {
+        $options.$name.clone_from($value);
+    };
+    (@apply $options:ident, $name:ident, $value:expr, $Options:ty, $Type:ty, $apply:expr) => {
+        let apply: fn(&mut $Options, &$Type) = $apply;
+        apply($options, $value);
     };
 }
 pub(super) use options;

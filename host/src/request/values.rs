@@ -1,90 +1,174 @@
-//! Options that name an edge with angles, and letters of colours.
+//! Types of values that have names, or name an edge with angles, and letters of colours.
 
+use foldpath_core::{Interpolation, Objective};
 use serde_json::Value;
 
-use super::table::{Kind, OptionValue, Shape, shape};
-use crate::read::ColourLetters;
+use super::table::{Kind, OptionValue, word};
+use crate::export::csv::Column;
+use crate::export::svg_pattern::Colour;
+use crate::generate::Letters;
+use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
+use crate::read::{ColourLetters, ColourLettersError, Straighten};
 
-/// Value `I=DEG` of `--crease`: an edge and its angle in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrivenEdge {
-    /// Number of the edge, from 0.
-    pub edge: usize,
-    /// Fold angle, degrees; finite.
-    pub degrees: f64,
+/// Something that is done or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Switch {
+    /// It is done.
+    #[default]
+    On,
+    /// It is not done.
+    Off,
 }
 
-impl OptionValue for DrivenEdge {
-    const SHAPE: Shape = shape(Kind::EdgeAngle);
+/// Data that each knot of a written path stores.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Frames {
+    /// Fold angles and the positions of all vertices.
+    #[default]
+    Full,
+    /// Fold angles alone.
+    Angles,
+}
 
-    fn parse(word: &str) -> Result<Self, String> {
-        let parsed = edge_of(word).and_then(|(edge, degrees)| {
-            let degrees = degrees_of(degrees)?;
-            Some(Self { edge, degrees })
-        });
-        let expected = "expected I=DEG, the number of an edge and an angle in degrees";
-        parsed.ok_or_else(|| expected.into())
+/// Value `I=DEG` of `--crease`, an edge and its angle, or `I=MIN..MAX` of `--limit`, an edge and the range of its angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeAngles<const N: usize> {
+    /// Number of the edge, from 0.
+    pub edge: usize,
+    /// The fold angle, or the smallest and the largest one, degrees; finite.
+    pub degrees: [f64; N],
+}
+
+impl<const N: usize> OptionValue for EdgeAngles<N> {
+    const KIND: Kind = if N == 1 {
+        Kind::EdgeAngle
+    } else {
+        Kind::EdgeRange
+    };
+
+    fn read(value: &Value) -> Result<Self, String> {
+        let expected = match N {
+            1 => "I=DEG, the number of an edge and an angle in degrees",
+            _ => "I=MIN..MAX, the number of an edge and two angles in degrees",
+        };
+        word(value, expected, |word| {
+            let (edge, angles) = word.split_once('=')?;
+            let finite = |text: &str| {
+                text.trim()
+                    .parse()
+                    .ok()
+                    .filter(|degrees: &f64| degrees.is_finite())
+            };
+            let degrees: Vec<f64> = angles.split("..").map(finite).collect::<Option<_>>()?;
+            Some(Self {
+                edge: edge.trim().parse().ok()?,
+                degrees: degrees.try_into().ok()?,
+            })
+        })
     }
 
     fn json(&self) -> Value {
-        format!("{}={}", self.edge, self.degrees).into()
+        let degrees = self.degrees.map(|degrees| degrees.to_string());
+        format!("{}={}", self.edge, degrees.join("..")).into()
     }
-}
-
-/// Value `I=MIN..MAX` of `--limit`: an edge and the range of its angle in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LimitedEdge {
-    /// Number of the edge, from 0.
-    pub edge: usize,
-    /// Smallest fold angle, degrees; finite.
-    pub lower: f64,
-    /// Largest fold angle, degrees; finite.
-    pub upper: f64,
-}
-
-impl OptionValue for LimitedEdge {
-    const SHAPE: Shape = shape(Kind::EdgeRange);
-
-    fn parse(word: &str) -> Result<Self, String> {
-        let parsed = edge_of(word).and_then(|(edge, range)| {
-            let (lower, upper) = range.split_once("..")?;
-            let [lower, upper] = [degrees_of(lower)?, degrees_of(upper)?];
-            Some(Self { edge, lower, upper })
-        });
-        let expected = "expected I=MIN..MAX, the number of an edge and two angles in degrees";
-        parsed.ok_or_else(|| expected.into())
-    }
-
-    fn json(&self) -> Value {
-        format!("{}={}..{}", self.edge, self.lower, self.upper).into()
-    }
-}
-
-/// Returns the number before `=` and what is behind it.
-fn edge_of(word: &str) -> Option<(usize, &str)> {
-    let (edge, rest) = word.split_once('=')?;
-    Some((edge.trim().parse().ok()?, rest))
-}
-
-fn degrees_of(text: &str) -> Option<f64> {
-    let degrees: f64 = text.trim().parse().ok()?;
-    degrees.is_finite().then_some(degrees)
 }
 
 impl OptionValue for ColourLetters {
-    const SHAPE: Shape = shape(Kind::Text);
+    const KIND: Kind = Kind::Text;
 
-    fn parse(word: &str) -> Result<Self, String> {
-        word.parse()
-            .map_err(|error: crate::read::ColourLettersError| error.to_string())
+    /// The error names the part of the text that is wrong.
+    fn read(value: &Value) -> Result<Self, String> {
+        let letters = value.as_str().unwrap_or_default().parse();
+        letters.map_err(|error: ColourLettersError| error.to_string())
     }
 
     fn json(&self) -> Value {
         self.to_string().into()
     }
+}
 
-    /// The error names the part of the text that is wrong.
-    fn read(value: &Value) -> Result<Self, String> {
-        Self::parse(value.as_str().unwrap_or_default())
+/// Gives values of a type their names on the command line and in JSON, and says what each means; nothing if the name says
+/// it.
+macro_rules! named {
+    ($($Type:ty { $($name:literal: $value:expr, $help:literal;)* })*) => {
+        $(impl OptionValue for $Type {
+            const KIND: Kind = Kind::Names(&[$(($name, $help)),*]);
+
+            fn read(value: &Value) -> Result<Self, String> {
+                word(value, &[$($name),*].join(", "), |word| match word {
+                    $($name => Some($value),)*
+                    _ => None,
+                })
+            }
+
+            fn json(&self) -> Value {
+                $(if *self == $value {
+                    return $name.into();
+                })*
+                Value::Null
+            }
+        })*
+    };
+}
+
+named! {
+    Symmetry {
+        "auto": Self::Auto, "One unknown for each group of creases that turn alike";
+        "off": Self::Off, "One unknown for each crease";
+    }
+    Vertices {
+        "essential": Self::Essential, "One vertex for each distinct closure condition";
+        "all": Self::All, "All vertices";
+    }
+    Switch {
+        "on": Self::On, "";
+        "off": Self::Off, "";
+    }
+    Option<Interpolation> {
+        "auto": None, "The interpolation that needs the fewest knots";
+        "half-angle": Some(Interpolation::HalfAngle), "Cubic Hermite in the tangent of half the fold angle";
+        "hermite": Some(Interpolation::Hermite), "Cubic Hermite in the fold angle";
+        "homogeneous": Some(Interpolation::Homogeneous), "Cubic Hermite in weighted cosine and sine of half the fold angle";
+        "linear": Some(Interpolation::Linear), "Linear in the fold angle";
+    }
+    Timing {
+        "optimal": Self::Optimal, "As fast as the limits of the hinges allow";
+        "sparse": Self::Sparse, "A simple law with which few knots suffice";
+    }
+    Frames {
+        "full": Self::Full, "Fold angles and the positions of all vertices";
+        "angles": Self::Angles, "Only fold angles";
+    }
+    Solver {
+        "lm": Self::LevenbergMarquardt, "Levenberg-Marquardt";
+        "gradient": Self::Gradient, "Gradient steps";
+    }
+    Search {
+        "auto": Self::Auto, "Follow the motion, in phases where faces would cross otherwise";
+        "path": Self::Path, "Follow the motion with all creases turning at once";
+        "random": Self::Random, "The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)";
+    }
+    Letters {
+        "foldable": Self::Foldable, "The sheet folds";
+        "unfoldable": Self::Unfoldable, "The sheet does not fold; its goal is folded flat";
+    }
+    Column {
+        "hinge": Self::Hinge, "Each hinge, named edge_I by the number of its edge";
+        "group": Self::Group, "Each crease group, named group_G";
+    }
+    Colour {
+        "letters": Self::Letters, "Colours of Origami Simulator: mountain red, valley blue and so on; the opacity is the goal angle";
+        "groups": Self::Groups, "Crease groups, each with the range of its angles";
+        "deformation": Self::Deformation, "Largest deformation of each face along the path";
+    }
+    Objective {
+        "max": Self::Max, "The worst vertex";
+        "sum": Self::Sum, "The sum over all vertices";
+    }
+    Straighten {
+        "auto": Self::Auto, "If a vertex is off by more than rounding: by a tenth of the usual tolerance";
+        "on": Self::On, "Always";
+        "off": Self::Off, "Never";
     }
 }

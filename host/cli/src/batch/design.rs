@@ -11,7 +11,7 @@ use crate::CliError;
 use crate::plan::Job;
 use crate::standard::{Input, is_standard};
 use crate::values::Shard;
-use foldpath::request::{Family, PlanRequest, Request};
+use foldpath::request::{PlanRequest, Request};
 
 /// Longest line that is read, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -156,18 +156,16 @@ impl<R: BufRead> Designs<R> {
 /// Reads a line without its end; `None` at the end of the file. A line that is too long, or not in UTF-8, is an inner
 /// error.
 fn next_line(lines: &mut impl BufRead) -> io::Result<Option<Result<String, String>>> {
-    let mut read = |bytes: &mut Vec<u8>| lines.by_ref().take(LONGEST_LINE).read_until(b'\n', bytes);
     let mut bytes = Vec::new();
-    if read(&mut bytes)? == 0 {
+    let read = lines
+        .by_ref()
+        .take(LONGEST_LINE)
+        .read_until(b'\n', &mut bytes)?;
+    if read == 0 {
         return Ok(None);
     }
-    let goes_on = |bytes: &[u8]| bytes.len() as u64 == LONGEST_LINE && !bytes.ends_with(b"\n");
-    let long = goes_on(&bytes);
-    while goes_on(&bytes) {
-        bytes.clear();
-        read(&mut bytes)?;
-    }
-    if long {
+    if read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") {
+        lines.skip_until(b'\n')?;
         return Ok(Some(Err(format!(
             "expected a line of at most {} MiB, found more",
             LONGEST_LINE >> 20
@@ -231,7 +229,7 @@ impl Design {
         let usage = |text: String| CliError::Usage(text);
         let input = match (&self.pattern, &self.generate) {
             (Some(pattern), None) => Input::of_file(pattern),
-            (None, Some(family)) => Input::of_family(&Family::of(family)?)?,
+            (None, Some(family)) => Input::of_family(family)?,
             _ => return Err(usage("expected either pattern or generate".into())),
         };
         let request = self.request(timeout)?;

@@ -17,10 +17,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, IsTerminal, stderr, stdin};
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
 use crate::args::Batch;
-use crate::progress::PATIENCE;
+use crate::progress::{PATIENCE, set_style};
 use crate::standard::{is_standard, print_summary, shown};
 use crate::values::Shard;
 use crate::{Answer, CliError, check_output};
@@ -28,7 +28,7 @@ use design::Designs;
 use foldpath::read::FileError;
 use results::Results;
 
-pub(crate) use worker::record;
+pub use worker::record;
 
 /// Runs the command. `program` starts it once more, for the processes that plan: a program and its first arguments.
 pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
@@ -52,10 +52,7 @@ pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
     let bar = bar(args, quiet)?;
     let mut designs = open(&args.designs)?;
     // Designs that cannot be read leave the results that are there.
-    let begin = designs.fill_buf().map_err(|source| FileError::Io {
-        path: args.designs.clone(),
-        source,
-    })?;
+    let begin = designs.fill_buf().map_err(FileError::io(&args.designs))?;
     let mark = "\u{feff}".as_bytes();
     if begin.starts_with(mark) {
         designs.consume(mark.len());
@@ -96,10 +93,7 @@ fn open(path: &Path) -> Result<Box<dyn BufRead + Send>, CliError> {
     if is_standard(path) {
         return Ok(Box::new(BufReader::new(stdin())));
     }
-    let file = File::open(path).map_err(|source| FileError::Io {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let file = File::open(path).map_err(FileError::io(path))?;
     Ok(Box::new(BufReader::new(file)))
 }
 
@@ -108,22 +102,18 @@ fn bar(args: &Batch, quiet: bool) -> Result<ProgressBar, CliError> {
     if quiet || !stderr().is_terminal() {
         return Ok(ProgressBar::hidden());
     }
-    let Some(lines) = lines(&args.designs)? else {
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) =
-            ProgressStyle::with_template("{spinner} {elapsed} {pos} designs, {per_sec}")
-        {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(PATIENCE);
-        return Ok(bar);
-    };
     let Shard { of, .. } = args.shard.unwrap_or_default();
-    let bar = ProgressBar::new(lines / u64::from(of));
-    let template = "{spinner} {elapsed} [{bar:30}] {pos}/{len} designs, {per_sec}, {eta} to go";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("=> "));
-    }
+    let (bar, template) = match lines(&args.designs)? {
+        Some(lines) => (
+            ProgressBar::new(lines / u64::from(of)),
+            "{spinner} {elapsed} [{bar:30}] {pos}/{len} designs, {per_sec}, {eta} to go",
+        ),
+        None => (
+            ProgressBar::new_spinner(),
+            "{spinner} {elapsed} {pos} designs, {per_sec}",
+        ),
+    };
+    set_style(&bar, template);
     bar.enable_steady_tick(PATIENCE);
     Ok(bar)
 }
@@ -133,22 +123,9 @@ fn lines(path: &Path) -> Result<Option<u64>, CliError> {
     if is_standard(path) || !path.is_file() {
         return Ok(None);
     }
-    let mut file = open(path)?;
-    let mut count = 0;
-    loop {
-        let bytes = file.fill_buf().map_err(|source| FileError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        if bytes.is_empty() {
-            return Ok(Some(count));
-        }
-        count += bytes
-            .iter()
-            .filter(|byte| **byte == b'\n')
-            .map(|_| 1)
-            .sum::<u64>();
-        let read = bytes.len();
-        file.consume(read);
+    let (mut file, mut count) = (open(path)?, 0);
+    while file.skip_until(b'\n').map_err(FileError::io(path))? > 0 {
+        count += 1;
     }
+    Ok(Some(count))
 }

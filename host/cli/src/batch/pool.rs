@@ -1,7 +1,6 @@
 //! The processes that plan designs, with the time that each design may take.
 
 use core::time::Duration;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
@@ -11,10 +10,9 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread;
 
 use indicatif::ProgressBar;
-use serde::Deserialize;
 
 use super::design::{Designs, Task};
-use super::results::{Counts, Results};
+use super::results::{Counts, Head, Results};
 use super::worker::failed;
 use crate::CliError;
 use crate::report::ErrorFields;
@@ -169,13 +167,6 @@ fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits<'_>) -> Mess
     Ok((task.place, result))
 }
 
-/// The name in a result.
-#[derive(Deserialize)]
-struct ResultId<'a> {
-    #[serde(borrow)]
-    id: Cow<'a, str>,
-}
-
 /// A process that plans one design after the other.
 struct Worker {
     process: Child,
@@ -248,7 +239,7 @@ impl Worker {
                 format!("a defect of foldpath, or too little memory: its process ended ({how})")
             }
         })?;
-        let found = serde_json::from_str::<ResultId<'_>>(&result);
+        let found = serde_json::from_str::<Head>(&result);
         found
             .is_ok_and(|found| found.id == id)
             .then_some(result)

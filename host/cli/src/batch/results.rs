@@ -22,8 +22,9 @@ pub(super) struct Results {
 
 /// The parts of a result that a run needs.
 #[derive(Deserialize)]
-struct Head {
-    id: String,
+pub(super) struct Head {
+    pub(super) id: String,
+    outcome: Option<String>,
 }
 
 impl Results {
@@ -42,10 +43,6 @@ impl Results {
         if is_standard(path) {
             return Ok(this);
         }
-        let failed = |source| FileError::Io {
-            path: path.to_path_buf(),
-            source,
-        };
         let mut options = OpenOptions::new();
         let options = options
             .create(true)
@@ -53,10 +50,10 @@ impl Results {
             .append(resume)
             .write(true)
             .truncate(!resume);
-        let file = options.open(path).map_err(failed)?;
+        let file = options.open(path).map_err(FileError::io(path))?;
         if resume {
             let whole = this.read(&file)?;
-            file.set_len(whole).map_err(failed)?;
+            file.set_len(whole).map_err(FileError::io(path))?;
         }
         this.known = this.ids.len();
         this.file = Some(file);
@@ -65,15 +62,13 @@ impl Results {
 
     /// Reads the names of the results. Returns the number of bytes in whole lines.
     fn read(&mut self, file: &File) -> Result<u64, CliError> {
-        let failed = |source| FileError::Io {
-            path: self.path.clone(),
-            source,
-        };
         let mut lines = BufReader::new(file);
         let (mut whole, mut bytes) = (0, Vec::new());
         for number in 1.. {
             bytes.clear();
-            let read = lines.read_until(b'\n', &mut bytes).map_err(failed)?;
+            let read = lines
+                .read_until(b'\n', &mut bytes)
+                .map_err(FileError::io(&self.path))?;
             if !bytes.ends_with(b"\n") {
                 break;
             }
@@ -117,10 +112,7 @@ impl Results {
             }
             Some(file) => Ok(file
                 .write_all(line.as_bytes())
-                .map_err(|source| FileError::Io {
-                    path: self.path.clone(),
-                    source,
-                })?),
+                .map_err(FileError::io(&self.path))?),
         }
     }
 }
@@ -134,13 +126,8 @@ pub(super) struct Counts {
 impl Counts {
     /// Counts a result.
     pub(super) fn add(&mut self, result: &str) {
-        #[derive(Deserialize)]
-        struct Outcome {
-            outcome: Option<String>,
-        }
-        let outcome = serde_json::from_str::<Outcome>(result)
-            .ok()
-            .and_then(|found| found.outcome);
+        let head = serde_json::from_str::<Head>(result);
+        let outcome = head.ok().and_then(|head| head.outcome);
         *self
             .of
             .entry(outcome.unwrap_or_else(|| "error".into()))

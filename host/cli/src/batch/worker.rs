@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::design::Design;
 use crate::CliError;
-use crate::report::{ErrorFields, panic_text};
+use crate::report::{ErrorFields, ErrorJson, panic_text};
 use foldpath::planner::Outcome;
 use foldpath::progress::Progress;
 use foldpath::request::{InputJson, PlanRequest};
@@ -20,11 +20,6 @@ struct Record<'a, T> {
     id: &'a str,
     #[serde(flatten)]
     answer: T,
-}
-
-#[derive(Serialize)]
-struct Failed<'a> {
-    error: ErrorFields<'a>,
 }
 
 /// Result of a design whose time was up, if nothing may depend on the clock.
@@ -51,8 +46,10 @@ pub(super) fn run(timeout: f64, stable: bool) {
     }
 }
 
-/// Plans the design of a line and returns its result, in one line. A panic is a result.
-pub(crate) fn record(line: &str, timeout: f64, stable: bool, progress: &Progress) -> String {
+/// Plans the design of one line of `foldpath batch` and returns its result, in one line. A panic is a result. `timeout`
+/// (seconds) holds for a design that names none. With `stable`, what depends on the clock is left out.
+#[must_use]
+pub fn record(line: &str, timeout: f64, stable: bool, progress: &Progress) -> String {
     let design = match Design::parse(line) {
         Ok(design) => design,
         Err(error) => {
@@ -78,17 +75,13 @@ fn answered(
     let (input, job) = design.job(timeout)?;
     job.check()?;
     let done = job.run(Some(input), true, progress)?;
-    let mut answer = done.json(&job, start);
-    if !stable {
-        return Ok(text(&design.id, &answer));
-    }
-    answer.leave_out_times();
+    let answer = done.json(&job, (!stable).then_some(start));
     // Some strategies may have had no time, whatever the best of the others found.
     let is_up = job
         .request
         .timeout
         .is_some_and(|timeout| start.elapsed().as_secs_f64() >= timeout);
-    if is_up || done.planned.ran_out_of_time() {
+    if stable && (is_up || done.planned.ran_out_of_time()) {
         let bare = TimedOut {
             version: answer.version,
             input: answer.input,
@@ -102,7 +95,7 @@ fn answered(
 
 /// Returns the result of a design that could not be planned, in one line.
 pub(super) fn failed(id: &str, error: ErrorFields<'_>) -> String {
-    text(id, &Failed { error })
+    text(id, &ErrorJson { error })
 }
 
 fn text(id: &str, answer: &impl Serialize) -> String {

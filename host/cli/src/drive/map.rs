@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::Line;
 use crate::CliError;
 use crate::output::write_whole;
 use crate::standard::is_standard;
@@ -28,22 +27,14 @@ pub(super) struct Row {
 
 impl Row {
     fn new(hinge: u16, channel: Channel) -> Self {
-        let Channel {
-            channel,
-            zero,
-            negative,
-            lower,
-            upper,
-        } = channel;
-        let [zero, lower, upper] = [zero, lower, upper].map(|angle| f64::from(angle).to_degrees());
-        let sign = if negative { '-' } else { '+' };
+        let degrees = |angle: f32| f64::from(angle).to_degrees();
         Self {
             hinge,
-            channel,
-            zero,
-            sign,
-            lower,
-            upper,
+            channel: channel.channel,
+            zero: degrees(channel.zero),
+            sign: if channel.negative { '-' } else { '+' },
+            lower: degrees(channel.lower),
+            upper: degrees(channel.upper),
         }
     }
 }
@@ -67,11 +58,11 @@ impl fmt::Display for Row {
 
 /// A map and its file.
 pub(super) struct MapFile {
-    path: Option<PathBuf>,
+    pub(super) path: Option<PathBuf>,
     map: Channels,
     /// Channels with which the controller runs: those of the file as it was read, and those of hinges that are new.
     running: BTreeMap<u16, Channel>,
-    changed: bool,
+    pub(super) changed: bool,
 }
 
 impl MapFile {
@@ -88,10 +79,7 @@ impl MapFile {
             None => Channels::default(),
             Some((path, Ok(text))) => Channels::parse(&text, path)?,
             Some((_, Err(error))) if error.kind() == ErrorKind::NotFound => Channels::default(),
-            Some((path, Err(source))) => {
-                let path = path.to_path_buf();
-                return Err(FileError::Io { path, source }.into());
-            }
+            Some((path, Err(error))) => return Err(FileError::io(path)(error).into()),
         };
         Ok(Self {
             path: path.map(Path::to_path_buf),
@@ -99,14 +87,6 @@ impl MapFile {
             map,
             changed: false,
         })
-    }
-
-    pub(super) fn is_changed(&self) -> bool {
-        self.changed
-    }
-
-    pub(super) fn has_file(&self) -> bool {
-        self.path.is_some()
     }
 
     /// Writes the file, whole or not at all; returns what to say.
@@ -144,11 +124,6 @@ impl MapFile {
         self.map.get(hinge)
     }
 
-    /// Denies a command on a hinge that the map lacks.
-    pub(super) fn unknown(&self, hinge: u16) -> Line {
-        Line::denied(lacks(hinge))
-    }
-
     fn set(&mut self, hinge: u16, channel: Channel) -> Row {
         self.changed |= self.map.get(hinge) != Some(channel);
         self.map.set(hinge, channel);
@@ -167,20 +142,15 @@ impl MapFile {
         if let Some(owner) = self.map.owner(number).filter(|owner| *owner != hinge) {
             return Err(format!("channel {number} is that of hinge {owner}"));
         }
-        let channel = self.get(hinge).unwrap_or(Channel {
+        let mut channel = self.get(hinge).unwrap_or(Channel {
             channel: number,
             zero: 0.0,
             negative: false,
             lower: -PI,
             upper: PI,
         });
-        Ok(self.set(
-            hinge,
-            Channel {
-                channel: number,
-                ..channel
-            },
-        ))
+        channel.channel = number;
+        Ok(self.set(hinge, channel))
     }
 
     /// Says that a hinge is flat at this angle (radians), as the controller now has it.
@@ -200,6 +170,6 @@ impl MapFile {
     }
 }
 
-fn lacks(hinge: u16) -> String {
+pub(super) fn lacks(hinge: u16) -> String {
     format!("the map has no hinge {hinge}; `channel {hinge} CHANNEL` gives it a channel")
 }

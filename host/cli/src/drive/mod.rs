@@ -19,7 +19,7 @@ use crate::{Answer, CliError, print, print_json, say};
 pub(crate) use command::HELP;
 use command::{Command, radians};
 use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen};
-use map::{MapFile, Row};
+use map::{MapFile, Row, lacks};
 
 /// Time for which a line of commands is waited for before signs of life are sent.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -155,13 +155,13 @@ impl<'a> Desk<'a> {
                 break;
             }
             if !self.answer(command, text)? {
-                if self.map.is_changed() {
+                if self.map.changed {
                     say("note: the map was not written, because a command was not done");
                 }
                 return Ok(false);
             }
         }
-        if self.map.is_changed() && self.map.has_file() {
+        if self.map.changed && self.map.path.is_some() {
             self.map.save()?;
         }
         Ok(true)
@@ -203,7 +203,7 @@ impl<'a> Desk<'a> {
                 }
             }
         }
-        if self.map.is_changed() {
+        if self.map.changed {
             say("note: changes of the map were not saved");
         }
         Ok(all)
@@ -266,7 +266,7 @@ impl<'a> Desk<'a> {
             Command::Channel(hinge, channel) => self.map.channel(hinge, channel).into(),
             Command::Zero(hinge) => {
                 if self.map.get(hinge).is_none() {
-                    return Ok(self.map.unknown(hinge));
+                    return Ok(Line::denied(lacks(hinge)));
                 }
                 let seen = self.bench.place(hinge)?;
                 match seen.angle().filter(|angle| angle.is_finite()) {
@@ -291,7 +291,7 @@ impl<'a> Desk<'a> {
                     ..Line::done(text)
                 }
             }
-            Command::Save if self.map.has_file() => {
+            Command::Save if self.map.path.is_some() => {
                 Line::done(self.map.save().map_err(Refusal::Usage)?)
             }
             Command::Save => Line::denied("no map to write; start with --map FILE"),

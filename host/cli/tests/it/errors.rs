@@ -5,13 +5,12 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use crate::common::{folder, folder_with_path, pattern};
-use foldpath::export::Format;
 use foldpath::generate::Kresling;
 use foldpath::pattern::PatternError;
 use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, PlanOptions};
 use foldpath::read::FileError;
-use foldpath::request::{ExportRequest, PlanRequest, Request};
+use foldpath::request::{PlanRequest, Request};
 use foldpath::stream::BenchError;
 use foldpath::unfold::ShapeError;
 use foldpath_core::follower::Denial;
@@ -432,13 +431,7 @@ fn errors_of_the_libraries() {
         ..PlanRequest::default()
     };
     let excluded = request.options().unwrap_err();
-    let request = ExportRequest {
-        frames: Some(9),
-        ..ExportRequest::default()
-    };
-    let format = request.check_for(Format::named("csv").unwrap());
-    let format = format.unwrap_err();
-    said += &format!("{parameter}\n{unknown}\n{excluded}\n{format}\n{line}\n{denied}\n");
+    said += &format!("{parameter}\n{unknown}\n{excluded}\n{line}\n{denied}\n");
     let crowded = PatternError::Crowded { edge: 3 };
     let corners = PatternError::Corners {
         face: 2,

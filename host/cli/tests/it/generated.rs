@@ -80,12 +80,12 @@ mod python {
 
     /// Returns a parameter with its type and default.
     fn parameter(info: &OptionInfo, default: &str) -> String {
-        let kind = match info.shape.kind {
+        let kind = match info.kind {
             Kind::Number => "float".into(),
             Kind::Count => "int".into(),
             Kind::Flag => "bool".into(),
             Kind::Names(all) => names(all),
-            Kind::File if info.shape.is_repeated => "Iterable[File] | File".into(),
+            Kind::File if info.is_repeated => "Iterable[File] | File".into(),
             Kind::File => "File".into(),
             Kind::EdgeAngle => "Mapping[int, float] | Iterable[str] | str".into(),
             Kind::EdgeRange => "Mapping[int, tuple[float, float]] | Iterable[str] | str".into(),
@@ -103,7 +103,7 @@ mod python {
     }
 
     fn of_default(info: &OptionInfo) -> String {
-        let default = if info.is_required {
+        let default = if info.is_required() {
             String::new()
         } else {
             literal(&(info.default)())
@@ -256,7 +256,7 @@ fn the_schema_has_every_option() {
     /// Returns the schema of a single value.
     fn single(info: &OptionInfo) -> Map<String, Value> {
         let mut schema = Map::new();
-        let kind = match info.shape.kind {
+        let kind = match info.kind {
             Kind::Names(names) => {
                 let names: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
                 schema.insert("enum".into(), json!(names));
@@ -287,12 +287,12 @@ fn the_schema_has_every_option() {
     /// Returns the schema of the value in an answer.
     fn in_answer(info: &OptionInfo) -> Value {
         let mut schema = single(info);
-        if info.shape.is_repeated {
+        if info.is_repeated {
             schema = Map::from_iter([
                 ("type".into(), "array".into()),
                 ("items".into(), Value::Object(schema)),
             ]);
-        } else if info.shape.is_optional {
+        } else if info.is_optional {
             match schema.get_mut("type") {
                 Some(kind) => *kind = json!([kind.take(), "null"]),
                 None => drop(
@@ -307,15 +307,15 @@ fn the_schema_has_every_option() {
     }
     /// Returns the schema of the value in a request: numbers may be texts, as on the command line.
     fn in_request(info: &OptionInfo) -> Value {
-        let kinds = match info.shape.kind {
-            Kind::Names(names) if !info.shape.is_repeated => {
+        let kinds = match info.kind {
+            Kind::Names(names) if !info.is_repeated => {
                 let names = names.iter().map(|(name, _)| json!(name));
                 let names: Vec<Value> = names.chain([Value::Null]).collect();
                 return json!({"enum": names, "description": sentences(info.text)});
             }
             Kind::Number | Kind::Count => json!(["number", "string", "null"]),
             Kind::Flag => json!(["boolean", "null"]),
-            _ if info.shape.is_repeated => json!(["array", "string", "null"]),
+            _ if info.is_repeated => json!(["array", "string", "null"]),
             _ => json!(["string", "null"]),
         };
         json!({"type": kinds, "description": sentences(info.text), "default": (info.default)()})
@@ -341,7 +341,7 @@ fn the_schema_has_every_option() {
         let required = family
             .parameters
             .iter()
-            .filter(|info| info.is_required && info.alias.is_empty());
+            .filter(|info| info.is_required() && info.alias.is_empty());
         let required: Vec<&str> = ["family"]
             .into_iter()
             .chain(required.map(|info| info.name))
@@ -352,7 +352,7 @@ fn the_schema_has_every_option() {
             .filter(|info| !info.alias.is_empty())
         {
             schema["properties"][info.alias] = schema["properties"][info.name].clone();
-            if info.is_required {
+            if info.is_required() {
                 schema["oneOf"] = json!([{"required": [info.name]}, {"required": [info.alias]}]);
             }
         }
@@ -394,7 +394,7 @@ fn the_documents_list_options_families_and_formats() {
             "\n## {title}\n\n| option | default | range | meaning |\n|---|---|---|---|\n"
         );
         for info in listed(infos) {
-            let value = match (info.shape.kind, info.value_name) {
+            let value = match (info.kind, info.value_name) {
                 (Kind::Flag, _) => String::new(),
                 (Kind::Names(names), _) => {
                     let names: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
@@ -476,7 +476,7 @@ fn every_option_is_set_by_its_name() {
     let defaults = serde_json::to_value(PlanRequest::default()).unwrap();
     let mut request = PlanRequest::default();
     for info in listed(PlanRequest::infos()) {
-        let given = match info.shape.kind {
+        let given = match info.kind {
             Kind::Number => json!(0.5),
             Kind::Count => json!("7"),
             Kind::Flag => json!(true),
@@ -494,7 +494,7 @@ fn every_option_is_set_by_its_name() {
         assert_ne!(now[info.name], defaults[info.name], "{}", info.name);
         request.set(info.name, &Value::Null).unwrap();
         assert_eq!(serde_json::to_value(&request).unwrap(), now);
-        let wrong = match info.shape.kind {
+        let wrong = match info.kind {
             Kind::Flag => json!("yes"),
             _ => json!({}),
         };
