@@ -321,7 +321,7 @@ fn titles_break_no_drawing_and_no_comment() {
     assert!(
         folder
             .read("a.svg")
-            .contains("<title>&lt;/title>&lt;script>&amp;  v 1 2 3</title>")
+            .contains("<title>&lt;/title&gt;&lt;script&gt;&amp;  v 1 2 3</title>")
     );
     read_any(&folder.path("a.svg")).unwrap();
     folder.done("export a.fold --to obj -o a.obj");
