@@ -15,7 +15,7 @@ use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::sender::{Options, Sender};
 use foldpath_core::{
-    DualNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
+    DenseNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
     closure,
 };
 use nalgebra::Vector3;
@@ -137,8 +137,8 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let (mut half_angles, mut columns) = ([HalfAngle::default(); 6], [Vector3::default(); 6]);
     let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
     let mut problem = problem.ok_or(Failure::Size)?;
-    let (mut rows, mut gradient) = ([[0.0; 3]; 6], [0.0; 6]);
-    let equations = DualNormalEquations::new(6, &mut rows, &mut gradient);
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(6)];
+    let equations = DenseNormalEquations::new(6, &mut memory);
     let mut equations = equations.ok_or(Failure::Size)?;
     // The closed form of this vertex, perturbed a little.
     let (m, d) = (0.8, -1.077);
