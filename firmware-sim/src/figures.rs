@@ -76,7 +76,7 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         (64, "tick-of-64-hinges"),
         (HINGES, "tick-of-1104-hinges"),
     ] {
-        let costs = stream::<Unkeyed>(&mut meter, stars, path.view(), hinges, None)?;
+        let costs = stream::<Unkeyed>(&mut meter, stars, path.view()?, hinges, None)?;
         let [tick, record, setpoint] = costs;
         tell(what, tick)?;
         if hinges == HINGES {
@@ -87,7 +87,7 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         }
     }
     let key = Key::new([0x5a; Key::SIZE]);
-    let keyed = stream::<Keyed>(&mut meter, stars, path.view(), HINGES, Some(key));
+    let keyed = stream::<Keyed>(&mut meter, stars, path.view()?, HINGES, Some(key));
     let [_, _, setpoint] = keyed?;
     tell("setpoint-with-a-key-from-its-frame-to-the-answer", setpoint)?;
     let bytes = [0x5a; 256];

@@ -284,12 +284,7 @@ impl Content for PathItems<'_> {
     }
 
     fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {
-        let knot = self.path.knot(knot)?;
-        Some(Node {
-            angle: *knot.angles.get(group)?,
-            rate: *knot.rates.get(group)?,
-            weight: knot.weights.get(group).copied().unwrap_or_default(),
-        })
+        self.path.knot(knot)?.node(group)
     }
 }
 

@@ -14,3 +14,15 @@ pub use folder::{Answer, Folder};
 pub use json::{edited, numbers};
 pub use precision::cast;
 pub use random::Random;
+
+use foldpath_core::Curve;
+use foldpath_core::trajectory_file::TrajectoryFile;
+
+/// Returns the motion of a group in a file from knot number `segment` to the next knot; `None` if there is none.
+#[must_use]
+pub fn curve(file: &TrajectoryFile<'_>, segment: usize, group: usize) -> Option<Curve<f32>> {
+    let next = segment.checked_add(1)?;
+    let span = file.time(next)? - file.time(segment)?;
+    let (from, to) = (file.node(segment, group)?, file.node(next, group)?);
+    Some(Curve::between(file.interpolation(), span, from, to))
+}
