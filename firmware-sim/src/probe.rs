@@ -12,6 +12,7 @@ use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::message::Command;
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::{self, Sender};
 use foldpath_core::{
     DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Objective,
@@ -274,7 +275,7 @@ fn stream(
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
     let mut answers = Deframer::<{ FRAME }>::default();
-    let mut device = Controller::<GROUPS, 1, 16, 8>::new(Settings::new(1, |_| ANY));
+    let mut device = Controller::<GROUPS, 1, 16, 8>::protected(Settings::new(1, |_| ANY), Unkeyed);
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut now, mut told) = (0, false);
     for tick in 0_u32.. {

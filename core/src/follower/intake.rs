@@ -81,12 +81,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(true)
     }
 
-    /// Returns `true` while a setpoint that was [offered](Self::offer) is neither queued nor refused.
-    #[must_use]
-    pub fn is_checking(&self) -> bool {
-        self.pending.is_some()
-    }
-
     /// Holds the motion because of a setpoint.
     fn refuse(&mut self, refusal: Refusal) -> Refusal {
         self.hold(Reason::Refused(refusal));

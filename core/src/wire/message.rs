@@ -236,7 +236,7 @@ pub enum ToHost<'a> {
 }
 
 /// Acknowledges the items that have come, grants credit and tells the state.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report {
     /// Number of the item that is expected next: all items before it have come.

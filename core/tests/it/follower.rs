@@ -11,7 +11,7 @@ use foldpath_core::{
     GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Node, Objective, Scalar,
 };
 use foldpath_test_support::stars::{Stars, miura, miura_angles};
-use foldpath_test_support::{Random, cast};
+use foldpath_test_support::{Measure as _, Random, cast};
 
 /// `STEP`: seconds between two knots. `KNOTS`: number of knots of the path. `TICK`: microseconds of a tick.
 const STEP: f64 = 0.02;

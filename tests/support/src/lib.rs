@@ -15,8 +15,9 @@ pub use json::{edited, numbers};
 pub use precision::cast;
 pub use random::Random;
 
-use foldpath_core::Curve;
+use foldpath_core::follower::{Follower, Measurement};
 use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::{Curve, Membership, Scalar};
 
 /// Returns the motion of a group in a file from knot number `segment` to the next knot; `None` if there is none.
 #[must_use]
@@ -25,4 +26,28 @@ pub fn curve(file: &TrajectoryFile<'_>, segment: usize, group: usize) -> Option<
     let span = file.time(next)? - file.time(segment)?;
     let (from, to) = (file.node(segment, group)?, file.node(next, group)?);
     Some(Curve::between(file.interpolation(), span, from, to))
+}
+
+/// Measures one hinge alone, without a command for it.
+pub trait Measure<T> {
+    /// Takes the measured angle of this hinge.
+    fn measure(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        measurement: impl Into<Measurement<T>>,
+    );
+}
+
+impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Measure<T> for Follower<T, GROUPS, KNOTS> {
+    fn measure(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        measurement: impl Into<Measurement<T>>,
+    ) {
+        let measurement = measurement.into();
+        let member = [membership].into_iter();
+        self.drive_from(hinge, member, |_, _, _| Some(measurement));
+    }
 }

@@ -23,6 +23,7 @@ use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Spoke, StarView, StarsView,
     local_foldability_matrix,
@@ -642,7 +643,7 @@ fn flat() -> Device {
         speed: 20.0,
         acceleration: f32::INFINITY,
     };
-    let mut device = Device::new(Settings::new(1, limits));
+    let mut device = Device::protected(Settings::new(1, limits), Unkeyed);
     let place = FollowerPosition::default();
     device
         .follower_mut()
