@@ -123,23 +123,6 @@ impl core::fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Checks `next` as the setpoint behind `before`, if there is one. Does not check the setpoint's number.
-///
-/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice. Half angles
-/// cost more: a few hundred multiplications for each group and, if they are homogeneous, some thousands for each star.
-///
-/// # Errors
-/// The first defect, in this order: of its numbers and their order in time, of the limits, of closure at the setpoint,
-/// of the segment.
-pub fn check<T: Scalar, const GROUPS: usize>(
-    sheet: &SheetView<'_, T>,
-    before: Option<&Setpoint<T, GROUPS>>,
-    next: &Setpoint<T, GROUPS>,
-) -> Result<(), Refusal> {
-    check_places(sheet, before, next)?;
-    check_bounds(sheet, before, next, &mut Progress::default(), u32::MAX).map(|_| ())
-}
-
 /// Essential vertex and part of a segment whose closure is bounded next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Progress {
@@ -147,7 +130,8 @@ pub(crate) struct Progress {
     part: Part,
 }
 
-/// Checks all of [`check`] but the bounds on the closure of homogeneous half angles.
+/// Checks `next` as the setpoint behind `before`, if there is one: all but its number and the bounds on the closure of
+/// homogeneous half angles.
 pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
