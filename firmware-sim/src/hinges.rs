@@ -2,7 +2,7 @@
 //!
 //! A motor follows its command with a time constant, and no faster than its speed and torque allow. The hinge follows
 //! its motor with the play between them, and measured angles are noisy. The sheet is therefore not where it is
-//! commanded to be, and [`Hinges::torn`] returns the closure residual of its true angles.
+//! commanded to be: [`Hinges::angles`] returns its true angles.
 
 use std::vec::Vec;
 

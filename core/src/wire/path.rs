@@ -407,19 +407,14 @@ impl Content for PathOnSheet<'_> {
     }
 }
 
-/// Writes `length` bytes behind the first `from` to `scratch`, or as many as there are.
+/// Writes `most` bytes behind the first `from` to `scratch`, or as many as there are; `None` if there is no room.
 fn part(
     bytes: impl Iterator<Item = u8>,
-    (from, length): (usize, usize),
+    (from, most): (usize, usize),
     scratch: &mut [u8],
 ) -> Option<&[u8]> {
-    fill(scratch, bytes.skip(from).take(length))
-}
-
-/// Writes all bytes to `scratch`; `None` if there is no room.
-fn fill(scratch: &mut [u8], bytes: impl Iterator<Item = u8>) -> Option<&[u8]> {
     let mut length = 0;
-    for byte in bytes {
+    for byte in bytes.skip(from).take(most) {
         *scratch.get_mut(length)? = byte;
         length += 1;
     }

@@ -24,10 +24,10 @@ use nalgebra::Vector3;
 use foldpath_controller::{Controller, FRAME, Settings};
 
 /// Number of steps of a walk.
-pub const STEPS: u16 = 25;
+pub(crate) const STEPS: u16 = 25;
 /// Turn of the first group in a step, 4 degrees in radians, and duration of a step, seconds: the group turns at 1
 /// rad/s.
-pub const STEP: f32 = core::f32::consts::PI / 45.0;
+pub(crate) const STEP: f32 = core::f32::consts::PI / 45.0;
 
 /// Number of samples in a step.
 const SAMPLES: u16 = 4;
@@ -73,7 +73,7 @@ impl Path {
 
 /// Reason why the probe stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure {
+pub(crate) enum Failure {
     /// A fold is ill-formed or larger than the memory for it.
     Size,
     /// The solver did not close a configuration.
@@ -156,11 +156,10 @@ pub(crate) const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 /// - `project`: the numbers of `solve` for angles measured with an error, with the largest change before the angles;
 /// - `tick`: the angles and rates commanded by a controller to which the path is sent, at every 16th tick.
 ///
-/// # Errors
-/// If a configuration does not close, or the output fails.
+/// Fails if a configuration does not close, or the output fails.
 // Not inlined, so that its stack is free for whatever runs behind it.
 #[inline(never)]
-pub fn run(out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(out: &mut impl Write) -> Result<(), Failure> {
     for fold in [MIURA, WATERBOMB] {
         let stars = StarsView::new(fold.spokes, fold.ends, fold.rates.len());
         let stars = stars.ok_or(Failure::Size)?;

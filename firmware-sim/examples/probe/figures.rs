@@ -57,10 +57,8 @@ impl<C: FnMut() -> u32> Meter<C> {
 }
 
 /// Prints the figures, one on each line: `cost`, the name of the work, and the counts.
-///
-/// # Errors
-/// If a configuration does not close, a path does not run, or the output fails.
-pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failure> {
+/// Fails if a configuration does not close, a path does not run, or the output fails.
+pub(crate) fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failure> {
     let mut meter = Meter::new(count);
     let mut tell = |what: &str, cost: u32| {
         let line = writeln!(out, "cost {what} {cost}");
