@@ -13,6 +13,8 @@ fn main() {
     // The names of a device's interrupts, of which the boards here have none.
     fs::write(out.join("device.x"), "").expect("OUT_DIR is writable");
     // For the images of this package alone: a search path would reach the images of other packages that use the library.
-    println!("cargo::rustc-link-arg-bins=-L{}", out.display());
-    println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    for images in ["bins", "examples"] {
+        println!("cargo::rustc-link-arg-{images}=-L{}", out.display());
+        println!("cargo::rustc-link-arg-{images}=-Tlink.x");
+    }
 }

@@ -6,7 +6,7 @@
 //! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
 
 use heapless::Vec;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::bernstein::differences;
 use crate::curve::{Flaw, half_angle};
@@ -48,7 +48,8 @@ pub struct Setpoint<T, const GROUPS: usize> {
 }
 
 /// Reason why a setpoint is not followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// Nothing is being followed: there is no sheet, or the motion is done or has failed.
@@ -80,30 +81,23 @@ pub enum Refusal {
     OpenBetween(u16),
 }
 
-impl Refusal {
-    /// Returns what is encoded.
-    pub(crate) fn numbers(self) -> Numbers {
-        match self {
-            Self::State => Numbers::variant(0),
-            Self::Full => Numbers::variant(1),
-            Self::Sequence(next) => Numbers::of(2, next),
-            Self::Groups => Numbers::variant(3),
-            Self::NotFinite(group) => Numbers::of(4, group),
-            Self::HalfTurn(group) => Numbers::of(5, group),
-            Self::Weight(group) => Numbers::of(6, group),
-            Self::Order => Numbers::variant(7),
-            Self::Range(group) => Numbers::of(8, group),
-            Self::Speed(group) => Numbers::of(9, group),
-            Self::Acceleration(group) => Numbers::of(10, group),
-            Self::Open(star) => Numbers::of(11, star),
-            Self::OpenBetween(star) => Numbers::of(12, star),
+impl From<Refusal> for Numbers {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::State => Self::variant(0),
+            Refusal::Full => Self::variant(1),
+            Refusal::Sequence(next) => Self::of(2, next),
+            Refusal::Groups => Self::variant(3),
+            Refusal::NotFinite(group) => Self::of(4, group),
+            Refusal::HalfTurn(group) => Self::of(5, group),
+            Refusal::Weight(group) => Self::of(6, group),
+            Refusal::Order => Self::variant(7),
+            Refusal::Range(group) => Self::of(8, group),
+            Refusal::Speed(group) => Self::of(9, group),
+            Refusal::Acceleration(group) => Self::of(10, group),
+            Refusal::Open(star) => Self::of(11, star),
+            Refusal::OpenBetween(star) => Self::of(12, star),
         }
-    }
-}
-
-impl Serialize for Refusal {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
     }
 }
 
@@ -129,23 +123,6 @@ impl core::fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Checks `next` as the setpoint behind `before`, if there is one. Does not check the setpoint's number.
-///
-/// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice. Half angles
-/// cost more: a few hundred multiplications for each group and, if they are homogeneous, some thousands for each star.
-///
-/// # Errors
-/// The first defect, in this order: of its numbers and their order in time, of the limits, of closure at the setpoint,
-/// of the segment.
-pub fn check<T: Scalar, const GROUPS: usize>(
-    sheet: &SheetView<'_, T>,
-    before: Option<&Setpoint<T, GROUPS>>,
-    next: &Setpoint<T, GROUPS>,
-) -> Result<(), Refusal> {
-    check_places(sheet, before, next)?;
-    check_bounds(sheet, before, next, &mut Progress::default(), u32::MAX).map(|_| ())
-}
-
 /// Essential vertex and part of a segment whose closure is bounded next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Progress {
@@ -153,7 +130,8 @@ pub(crate) struct Progress {
     part: Part,
 }
 
-/// Checks all of [`check`] but the bounds on the closure of homogeneous half angles.
+/// Checks `next` as the setpoint behind `before`, if there is one: all but its number and the bounds on the closure of
+/// homogeneous half angles.
 pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,

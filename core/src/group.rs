@@ -28,7 +28,8 @@ pub struct Membership {
 
 impl Membership {
     /// Returns the hinge of a code in files and messages: twice its group, and 1 more if it turns the opposite way.
-    pub(crate) fn from_code(code: u32) -> Self {
+    #[must_use]
+    pub fn from_code(code: u32) -> Self {
         Self {
             group: GroupId(code >> 1),
             negative: code & 1 == 1,

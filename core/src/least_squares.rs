@@ -82,7 +82,7 @@ pub trait Accumulate<T: Scalar> {
     );
 }
 
-/// The normal equations (JᵀJ + λI) x = b, an interface to dense, dual and sparse linear algebra.
+/// The normal equations (JᵀJ + λI) x = b, an interface to dense and sparse linear algebra.
 pub trait NormalEquations<T: Scalar>: Accumulate<T> {
     /// `true` if the rows of the Jacobian are kept. Without them [no factor is reused](FactorReuse::None).
     const KEEPS_ROWS: bool = false;

@@ -396,28 +396,20 @@ pub fn project_on_motions<T: Scalar, E: NormalEquations<T>>(
     direction: &mut [T],
 ) -> bool {
     let damping = projection_damping(equations);
-    equations.factorise(damping) && project_by_factor(equations, damping, PROJECTIONS, direction)
-}
-
-/// Returns the λ of [`project_on_motions`]: the square root of the precision, so that the rounding error ε/λ stays as
-/// small as λ itself.
-pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &mut E) -> T {
-    equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
-}
-
-/// Second half of [`project_on_motions`]: applies the damped projection `times` times with the last factor, which has
-/// to have this `damping`. Returns `false` if the result is not finite.
-pub fn project_by_factor<T: Scalar, E: NormalEquations<T>>(
-    equations: &mut E,
-    damping: T,
-    times: u32,
-    direction: &mut [T],
-) -> bool {
-    for _ in 0..times {
+    if !equations.factorise(damping) {
+        return false;
+    }
+    for _ in 0..PROJECTIONS {
         equations.solve(direction);
         for entry in direction.iter_mut() {
             *entry *= damping;
         }
     }
     direction.iter().all(|entry| entry.is_finite())
+}
+
+/// Returns the λ of [`project_on_motions`]: the square root of the precision, so that the rounding error ε/λ stays as
+/// small as λ itself.
+pub fn projection_damping<T: Scalar, E: NormalEquations<T>>(equations: &mut E) -> T {
+    equations.max_diagonal().max(T::EPSILON) * T::EPSILON.sqrt()
 }

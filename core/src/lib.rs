@@ -105,8 +105,6 @@ pub mod closure;
 mod curve;
 #[cfg(feature = "solvers")]
 mod dense;
-#[cfg(feature = "solvers")]
-mod dual;
 mod folding_matrix;
 pub mod follower;
 #[cfg(feature = "solvers")]
@@ -141,8 +139,6 @@ pub use checksum::{checksum, checksum_on};
 pub use curve::{Curve, Interpolation, Node};
 #[cfg(feature = "solvers")]
 pub use dense::DenseNormalEquations;
-#[cfg(feature = "solvers")]
-pub use dual::DualNormalEquations;
 pub use folding_matrix::{folding_matrix, local_foldability_matrix};
 pub use group::{GroupId, Membership, expand};
 pub use hole::{LoopView, LoopsView};

@@ -29,7 +29,8 @@ impl Numbers {
     }
 
     /// The variant of this number, which holds a variant of another enum with at most one number.
-    pub(crate) fn around(variant: u32, held: Self) -> Self {
+    pub(crate) fn around(variant: u32, held: impl Into<Self>) -> Self {
+        let held = held.into();
         let [first, second, _] = held.numbers;
         Self {
             numbers: [variant, first, second],
@@ -55,46 +56,21 @@ fn encode<S: Serializer>(number: u64, serializer: S) -> Result<S::Ok, S::Error> 
     serializer.serialize_u64(number)
 }
 
-/// Numbers of 16 bits, for serde's attribute `with`.
-pub(crate) mod short {
-    use super::{Deserializer, Serializer, encode, long};
-
-    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    pub(crate) fn serialize<S: Serializer>(n: &u16, serializer: S) -> Result<S::Ok, S::Error> {
-        encode((*n).into(), serializer)
-    }
-
-    pub(crate) fn deserialize<'b, D: Deserializer<'b>>(bytes: D) -> Result<u16, D::Error> {
-        let number = long::deserialize(bytes)?;
-        u16::try_from(number).map_err(|_| serde::de::Error::custom("a number of 16 bits"))
-    }
-}
-
-/// Numbers of 32 bits, for serde's attribute `with`.
-pub(crate) mod long {
+/// Numbers of 16 to 64 bits, for serde's attribute `with`.
+pub(crate) mod number {
     use super::{Deserialize, Deserializer, Serializer, encode};
 
-    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    pub(crate) fn serialize<S: Serializer>(n: &u32, serializer: S) -> Result<S::Ok, S::Error> {
-        encode((*n).into(), serializer)
+    pub(crate) fn serialize<S: Serializer>(
+        number: &(impl Copy + Into<u64>),
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        encode((*number).into(), serializer)
     }
 
     #[inline(never)]
-    pub(crate) fn deserialize<'b, D: Deserializer<'b>>(bytes: D) -> Result<u32, D::Error> {
-        u32::deserialize(bytes)
-    }
-}
-
-/// Numbers of 64 bits, for serde's attribute `with`.
-pub(crate) mod wide {
-    use super::{Deserialize, Deserializer, Serializer, encode};
-
-    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    pub(crate) fn serialize<S: Serializer>(n: &u64, serializer: S) -> Result<S::Ok, S::Error> {
-        encode(*n, serializer)
-    }
-
-    pub(crate) fn deserialize<'b, D: Deserializer<'b>>(bytes: D) -> Result<u64, D::Error> {
-        u64::deserialize(bytes)
+    pub(crate) fn deserialize<'b, N: Deserialize<'b>, D: Deserializer<'b>>(
+        bytes: D,
+    ) -> Result<N, D::Error> {
+        N::deserialize(bytes)
     }
 }

@@ -5,12 +5,10 @@
 //! All transcendental functions here are libm's, except sine and cosine of `f32`, which are this crate's own: libm's
 //! are slow where `f64` is computed in software.
 
-use core::fmt::{Debug, Display};
-use core::ops::{AddAssign, DivAssign, MulAssign, Neg, SubAssign};
+use core::fmt::Display;
+use core::ops::Neg;
 
 use num_traits::NumAssign;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use crate::{HalfAngle, half_angles};
 
@@ -29,15 +27,8 @@ pub trait Scalar:
     + PartialOrd
     + NumAssign
     + Neg<Output = Self>
-    + AddAssign
-    + SubAssign
-    + MulAssign
-    + DivAssign
     + core::iter::Sum
-    + Debug
     + Display
-    + Serialize
-    + DeserializeOwned
     + Send
     + Sync
 {

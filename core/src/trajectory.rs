@@ -1,10 +1,7 @@
 //! Trajectories: group angles and their rates at knots, and the interpolated motion between the knots.
 
-use heapless::Vec;
-use serde::{Deserialize, Serialize};
-
 use crate::Scalar;
-use crate::curve::{Curve, Interpolation, Node};
+use crate::curve::{Curve, Flaw, Interpolation, Node};
 
 /// One stored configuration of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,35 +18,32 @@ pub struct Knot<'a, T> {
 }
 
 impl<T: Scalar> Knot<'_, T> {
-    /// Returns the values of one group, from which its curves are made.
-    fn node(&self, group: usize) -> Option<Node<T>> {
+    /// Returns the values of one group, from which its curves are made; with weight 1 if there are no weights.
+    pub(crate) fn node(&self, group: usize) -> Option<Node<T>> {
+        let weight = self.weights.get(group).copied();
         Some(Node {
             angle: *self.angles.get(group)?,
             rate: *self.rates.get(group)?,
-            weight: self.weights.get(group).copied().unwrap_or_default(),
+            weight: weight.unwrap_or([T::one(), T::zero()]),
         })
     }
+}
 
-    /// Returns why this knot, number `index`, cannot be part of a trajectory.
-    fn problem(&self, index: usize, kind: Interpolation, groups: usize) -> Option<TrajectoryError> {
-        let homogeneous = kind == Interpolation::Homogeneous;
-        let weights = if homogeneous { groups } else { 0 };
-        let widths = [self.angles.len(), self.rates.len(), self.weights.len()];
-        let finite = |values: &[T]| values.iter().all(|v| v.is_finite());
-        let finite = self.time.is_finite() && finite(self.angles) && finite(self.rates);
-        let pole = |angle: &T| angle.abs() >= T::PI;
-        let sound = |[w, rate]: &[T; 2]| *w > T::zero() && w.is_finite() && rate.is_finite();
-        if widths != [groups, groups, weights] {
-            Some(TrajectoryError::Width(index))
-        } else if !finite {
-            Some(TrajectoryError::NotFinite(index))
-        } else if kind == Interpolation::HalfAngle && self.angles.iter().any(pole) {
-            Some(TrajectoryError::HalfTurn(index))
-        } else if !self.weights.iter().all(sound) {
-            Some(TrajectoryError::Weight(index))
-        } else {
-            None
-        }
+/// Checks the knot of number `index`, which follows one at the time `before`: its nodes, then its time.
+pub(crate) fn check_knot<T: Scalar>(
+    kind: Interpolation,
+    index: usize,
+    before: Option<T>,
+    time: T,
+    mut nodes: impl Iterator<Item = Node<T>>,
+) -> Result<(), TrajectoryError> {
+    match nodes.find_map(|node| node.flaw(kind)) {
+        Some(Flaw::NotFinite) => Err(TrajectoryError::NotFinite(index)),
+        Some(Flaw::HalfTurn) => Err(TrajectoryError::HalfTurn(index)),
+        Some(Flaw::Weight) => Err(TrajectoryError::Weight(index)),
+        None if !time.is_finite() => Err(TrajectoryError::NotFinite(index)),
+        None if before.is_some_and(|before| before >= time) => Err(TrajectoryError::Order(index)),
+        None => Ok(()),
     }
 }
 
@@ -67,8 +61,6 @@ pub enum TrajectoryError {
     HalfTurn(usize),
     /// The knot of this number holds a weight that is not a number above 0.
     Weight(usize),
-    /// The storage is full at the knot of this number.
-    Capacity(usize),
 }
 
 impl core::fmt::Display for TrajectoryError {
@@ -83,7 +75,6 @@ impl core::fmt::Display for TrajectoryError {
             Self::NotFinite(knot) => write!(f, "knot {knot}: expected finite numbers"),
             Self::HalfTurn(knot) => write!(f, "knot {knot}: expected angles below half a turn"),
             Self::Weight(knot) => write!(f, "knot {knot}: expected weights above 0"),
-            Self::Capacity(knot) => write!(f, "knot {knot}: the trajectory's storage is full"),
         }
     }
 }
@@ -138,15 +129,12 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
             let whole = angles.len().min(rates.len()) / groups.max(1);
             return Err(TrajectoryError::Width(whole.min(times.len())));
         }
+        let mut before = None;
         for (index, &time) in times.iter().enumerate() {
             let knot = view.knot(index).ok_or(TrajectoryError::Width(index))?;
-            if let Some(problem) = knot.problem(index, interpolation, groups) {
-                return Err(problem);
-            }
-            let earlier = index.checked_sub(1).and_then(|i| times.get(i));
-            if earlier.is_some_and(|&earlier| earlier >= time) {
-                return Err(TrajectoryError::Order(index));
-            }
+            let nodes = (0..groups).filter_map(|group| knot.node(group));
+            check_knot(interpolation, index, before, time, nodes)?;
+            before = Some(time);
         }
         Ok(view)
     }
@@ -204,146 +192,25 @@ impl<'a, T: Scalar> TrajectoryView<'a, T> {
     /// Outside the trajectory these are the angles of the first or last knot; an empty trajectory writes nothing. Cost:
     /// a binary search, and for each group a cubic, with sine, cosine and arc tangent for half angles.
     pub fn sample(&self, time: T, angles: &mut [T]) {
-        let angle = |curve: Curve<T>, s, _| curve.angle(s);
-        self.at(time, angles, |knot| knot.angles, angle);
-    }
-
-    /// Writes the group rates (radians per second) at `time` (seconds) to `rates`.
-    ///
-    /// At a knot the rates are those of the segment behind it; outside the trajectory they are those of the first or
-    /// last knot.
-    pub fn sample_rates(&self, time: T, rates: &mut [T]) {
-        let rate = |curve: Curve<T>, s, span| {
-            let [rate, _] = curve.derivatives(s);
-            rate / span
-        };
-        self.at(time, rates, |knot| knot.rates, rate);
-    }
-
-    /// Writes a number for each group: within the trajectory that of `inside`, which gets the group's curve, the
-    /// parameter on it and the segment's duration; before the trajectory and from its end on that of `outside`, which
-    /// gets the nearest knot.
-    fn at(
-        &self,
-        time: T,
-        values: &mut [T],
-        outside: impl Fn(Knot<'a, T>) -> &'a [T],
-        inside: impl Fn(Curve<T>, T, T) -> T,
-    ) {
         let after = self.times.partition_point(|&knot| knot <= time);
         let before = after.checked_sub(1).and_then(|i| self.knot(i));
         match (before, self.knot(after)) {
             (Some(from), Some(to)) => {
                 let span = to.time - from.time;
                 let s = (time - from.time) / span;
-                for (group, value) in values.iter_mut().enumerate() {
+                for (group, angle) in angles.iter_mut().enumerate() {
                     let (Some(from), Some(to)) = (from.node(group), to.node(group)) else {
                         break;
                     };
-                    let curve = Curve::between(self.interpolation, span, from, to);
-                    *value = inside(curve, s, span);
+                    *angle = Curve::between(self.interpolation, span, from, to).angle(s);
                 }
             }
             (Some(knot), None) | (None, Some(knot)) => {
-                for (from, to) in outside(knot).iter().zip(values) {
+                for (from, to) in knot.angles.iter().zip(angles) {
                     *to = *from;
                 }
             }
             (None, None) => {}
-        }
-    }
-}
-
-/// A trajectory that owns its memory, for at most `KNOTS` knots with `VALUES` angles in all.
-///
-/// Decoding applies the checks of [`TrajectoryView::new`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "", try_from = "Parts<T, KNOTS, VALUES>")]
-pub struct Trajectory<T: Scalar, const KNOTS: usize, const VALUES: usize>(Parts<T, KNOTS, VALUES>);
-
-/// The arrays of a trajectory, before they are checked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub(crate) struct Parts<T: Scalar, const KNOTS: usize, const VALUES: usize> {
-    interpolation: Interpolation,
-    groups: u16,
-    pub(crate) times: Vec<T, KNOTS>,
-    pub(crate) angles: Vec<T, VALUES>,
-    pub(crate) rates: Vec<T, VALUES>,
-    pub(crate) weights: Vec<[T; 2], VALUES>,
-}
-
-impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Parts<T, KNOTS, VALUES> {
-    pub(crate) const fn new(interpolation: Interpolation, groups: u16) -> Self {
-        Self {
-            interpolation,
-            groups,
-            times: Vec::new(),
-            angles: Vec::new(),
-            rates: Vec::new(),
-            weights: Vec::new(),
-        }
-    }
-}
-
-impl<T: Scalar, const KNOTS: usize, const VALUES: usize> TryFrom<Parts<T, KNOTS, VALUES>>
-    for Trajectory<T, KNOTS, VALUES>
-{
-    type Error = TrajectoryError;
-
-    fn try_from(parts: Parts<T, KNOTS, VALUES>) -> Result<Self, TrajectoryError> {
-        TrajectoryView::new(
-            parts.interpolation,
-            usize::from(parts.groups),
-            &parts.times,
-            &parts.angles,
-            &parts.rates,
-            &parts.weights,
-        )?;
-        Ok(Self(parts))
-    }
-}
-
-impl<T: Scalar, const KNOTS: usize, const VALUES: usize> Trajectory<T, KNOTS, VALUES> {
-    /// Creates an empty trajectory of `groups` group angles.
-    #[must_use]
-    pub const fn new(interpolation: Interpolation, groups: u16) -> Self {
-        Self(Parts::new(interpolation, groups))
-    }
-
-    /// Adds a knot at the end.
-    ///
-    /// # Errors
-    /// If the knot is not valid, or the storage is full; the trajectory is unchanged then.
-    pub fn push(&mut self, knot: Knot<'_, T>) -> Result<(), TrajectoryError> {
-        let index = self.0.times.len();
-        let width = usize::from(self.0.groups);
-        if let Some(problem) = knot.problem(index, self.0.interpolation, width) {
-            return Err(problem);
-        }
-        if self.0.times.last().is_some_and(|&last| last >= knot.time) {
-            return Err(TrajectoryError::Order(index));
-        }
-        let room = self.0.angles.capacity() - self.0.angles.len();
-        if room < width || self.0.times.push(knot.time).is_err() {
-            return Err(TrajectoryError::Capacity(index));
-        }
-        let full = |_| TrajectoryError::Capacity(index);
-        self.0.angles.extend_from_slice(knot.angles).map_err(full)?;
-        self.0.rates.extend_from_slice(knot.rates).map_err(full)?;
-        self.0.weights.extend_from_slice(knot.weights).map_err(full)
-    }
-
-    /// Returns the trajectory as a view.
-    #[must_use]
-    pub fn view(&self) -> TrajectoryView<'_, T> {
-        TrajectoryView {
-            interpolation: self.0.interpolation,
-            groups: usize::from(self.0.groups),
-            times: &self.0.times,
-            angles: &self.0.angles,
-            rates: &self.0.rates,
-            weights: &self.0.weights,
         }
     }
 }

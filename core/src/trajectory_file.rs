@@ -20,8 +20,8 @@
 use core::fmt;
 
 use crate::checksum::{checksum, checksum_on};
-use crate::curve::{Curve, Flaw, Interpolation, Node};
-use crate::trajectory::{Parts, Trajectory, TrajectoryError, TrajectoryView};
+use crate::curve::{Interpolation, Node};
+use crate::trajectory::{TrajectoryError, TrajectoryView, check_knot};
 use crate::{GroupLimits, Membership, Spoke, StarsView};
 
 /// First bytes of a file.
@@ -326,27 +326,18 @@ impl<'a> TrajectoryFile<'a> {
         if !is_residual(self.closure) {
             return Err(FileError::Closure);
         }
-        let mut before = f32::NEG_INFINITY;
+        let mut before = None;
         for index in 0..self.knots {
             let missing = FileError::Knot(TrajectoryError::Width(index));
             let time = self.time(index).ok_or(missing)?;
-            for group in 0..self.groups() {
-                let node = self.node(index, group).ok_or(missing)?;
-                if let Some(error) = node_problem(node, self.interpolation, index) {
-                    return Err(FileError::Knot(error));
-                }
-                let limits = self.limits(group).ok_or(FileError::Limits(group))?;
-                if !limits.allow(node.angle) {
-                    return Err(FileError::Angle { knot: index, group });
-                }
+            let nodes = (0..self.groups()).filter_map(|group| self.node(index, group));
+            let checked = check_knot(self.interpolation, index, before, time, nodes.clone());
+            checked.map_err(FileError::Knot)?;
+            before = Some(time);
+            let mut limited = (0..).map_while(|group| self.limits(group)).zip(nodes);
+            if let Some(group) = limited.position(|(limits, node)| !limits.allow(node.angle)) {
+                return Err(FileError::Angle { knot: index, group });
             }
-            if !time.is_finite() {
-                return Err(FileError::Knot(TrajectoryError::NotFinite(index)));
-            }
-            if time <= before {
-                return Err(FileError::Knot(TrajectoryError::Order(index)));
-            }
-            before = time;
         }
         Ok(())
     }
@@ -439,41 +430,6 @@ impl<'a> TrajectoryFile<'a> {
         })
     }
 
-    /// Returns the motion of a group from knot number `segment` to the next knot. Its parameter runs from 0 to 1 in
-    /// proportion to time.
-    #[must_use]
-    pub fn curve(&self, segment: usize, group: usize) -> Option<Curve<f32>> {
-        let next = segment.checked_add(1)?;
-        let span = self.time(next)? - self.time(segment)?;
-        let nodes = (self.node(segment, group)?, self.node(next, group)?);
-        Some(Curve::between(self.interpolation, span, nodes.0, nodes.1))
-    }
-
-    /// Copies the trajectory into memory of its own.
-    ///
-    /// # Errors
-    /// [`TrajectoryError::Capacity`] with the first knot for which there is no room.
-    pub fn trajectory<const KNOTS: usize, const VALUES: usize>(
-        &self,
-    ) -> Result<Trajectory<f32, KNOTS, VALUES>, TrajectoryError> {
-        let mut parts = Parts::new(self.interpolation, self.groups);
-        for index in 0..self.knots {
-            let full = TrajectoryError::Capacity(index);
-            let time = self.time(index).ok_or(TrajectoryError::Width(index))?;
-            parts.times.push(time).map_err(|_| full)?;
-            for group in 0..self.groups() {
-                let node = self.node(index, group);
-                let node = node.ok_or(TrajectoryError::Width(index))?;
-                parts.angles.push(node.angle).map_err(|_| full)?;
-                parts.rates.push(node.rate).map_err(|_| full)?;
-                if self.interpolation == Interpolation::Homogeneous {
-                    parts.weights.push(node.weight).map_err(|_| full)?;
-                }
-            }
-        }
-        parts.try_into()
-    }
-
     /// Returns the number of `f32` in the record of a knot.
     fn record(&self) -> usize {
         1 + self.groups() * self.interpolation.width()
@@ -484,15 +440,6 @@ impl<'a> TrajectoryFile<'a> {
         let index = knot.checked_mul(self.record())?.checked_add(place)?;
         self.records.get(index).copied().map(f32::from_le_bytes)
     }
-}
-
-/// Returns why the knot of this number cannot hold the node.
-fn node_problem(node: Node<f32>, kind: Interpolation, knot: usize) -> Option<TrajectoryError> {
-    Some(match node.flaw(kind)? {
-        Flaw::NotFinite => TrajectoryError::NotFinite(knot),
-        Flaw::HalfTurn => TrajectoryError::HalfTurn(knot),
-        Flaw::Weight => TrajectoryError::Weight(knot),
-    })
 }
 
 /// A reading position in a slice of bytes.

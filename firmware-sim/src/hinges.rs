@@ -2,11 +2,11 @@
 //!
 //! A motor follows its command with a time constant, and no faster than its speed and torque allow. The hinge follows
 //! its motor with the play between them, and measured angles are noisy. The sheet is therefore not where it is
-//! commanded to be, and [`Hinges::torn`] returns the closure residual of its true angles.
+//! commanded to be: [`Hinges::angles`] returns its true angles.
 
 use std::vec::Vec;
 
-use foldpath_core::{HalfAngle, Membership, Objective, StarsView};
+use foldpath_core::Membership;
 use rand_core::Rng;
 
 /// Properties of the drives of all hinges.
@@ -169,15 +169,6 @@ impl<R: Rng> Hinges<R> {
     #[must_use]
     pub fn angles(&self) -> Vec<f64> {
         self.hinges.iter().map(|hinge| hinge.angle).collect()
-    }
-
-    /// Returns the largest closure residual of the true angles at these vertices, whose unknowns are the hinges;
-    /// infinite if the numbers of unknowns and hinges differ.
-    #[must_use]
-    pub fn torn(&self, stars: StarsView<'_, f64>) -> f64 {
-        let mut scratch = std::vec![HalfAngle::default(); self.hinges.len()];
-        let value = Objective::Max.value(stars, &self.angles(), &mut scratch);
-        value.map_or(f64::INFINITY, |value| value / core::f64::consts::SQRT_2)
     }
 }
 

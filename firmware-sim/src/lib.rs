@@ -1,5 +1,4 @@
-//! The controller's program without its board. It runs on the microcontroller, and on the host when a test compares the
-//! two.
+//! What surrounds a simulated controller: a line and hinges with faults on the host, and the hinges of the emulated board.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
@@ -9,11 +8,9 @@ extern crate std;
 
 #[cfg(not(target_os = "none"))]
 pub mod faults;
-pub mod figures;
 #[cfg(not(target_os = "none"))]
 pub mod hinges;
 pub mod plant;
-pub mod probe;
 
 #[cfg(not(target_os = "none"))]
 pub use foldpath_controller as controller;

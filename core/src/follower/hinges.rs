@@ -49,32 +49,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Some(membership.apply(*angle))
     }
 
-    /// Takes the measured angle of a hinge. Hinges may be measured at any pace and in any order. A hinge that lags counts
-    /// until it is measured again. While it is not known where the groups stand, the measured angles tell it.
-    pub fn measure(
-        &mut self,
-        hinge: u32,
-        membership: Membership,
-        measurement: impl Into<Measurement<T>>,
-    ) {
-        let mut member = Some(membership).into_iter();
-        let measurement = measurement.into();
-        self.drive_from(hinge, &mut member, |_, _, _| Some(measurement));
-    }
-
-    /// Calls `drive` for each of these hinges, numbered from 0, with its number, its group and sign, and its target, or
-    /// `None` while it is not known where the groups stand. [Measures](Self::measure) what `drive` returns, if there is
-    /// something. Cost: a multiplication and a comparison for each hinge, and another multiplication if `drive` uses the
-    /// rate.
-    pub fn drive(
-        &mut self,
-        hinges: impl Iterator<Item = Membership>,
-        drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
-    ) {
-        self.drive_from(0, hinges, drive);
-    }
-
-    /// [Drives](Self::drive) hinges that are numbered from `first` on.
+    /// Calls `drive` for each of these hinges, numbered from `first` on, with its number, its group and sign, and its
+    /// target, or `None` while it is not known where the groups stand. Takes what `drive` returns, if there is something, as
+    /// the measured angle of the hinge. Cost: a multiplication and a comparison for each hinge, and another multiplication if
+    /// `drive` uses the rate.
+    ///
+    /// Hinges may be measured at any pace and in any order. A hinge that lags counts until it is measured again. While it is
+    /// not known where the groups stand, the measured angles tell it.
     pub fn drive_from(
         &mut self,
         first: u32,

@@ -7,10 +7,13 @@ use crate::follower::{Follower, Reason, State};
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Queues a setpoint. An invalid setpoint holds the motion.
     ///
-    /// Cost: that of [`acceptance::check`].
+    /// Cost: for each group a sine, a cosine and nine places of a curve, and for each star the residual twice. Half angles
+    /// cost more: a few hundred multiplications for each group and, if they are homogeneous, some thousands for each star.
     ///
     /// # Errors
-    /// The reason why the setpoint is not followed; nothing but the hold has changed then.
+    /// The reason why the setpoint is not followed; nothing but the hold has changed then. It is the first defect, in this
+    /// order: of the setpoint's number, of its other numbers and their order in time, of the limits, of closure at the
+    /// setpoint, of the segment.
     pub fn accept(
         &mut self,
         sheet: &SheetView<'_, T>,
@@ -24,7 +27,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Begins to check a setpoint, which [`check_on`](Self::check_on) goes on with: for a controller that cannot wait for
     /// the bounds of all essential vertices. A setpoint that was offered before and is not queued yet is dropped.
     ///
-    /// Cost: that of [`acceptance::check`] without the bounds of homogeneous half angles.
+    /// Cost: that of [`accept`](Self::accept) without the bounds of homogeneous half angles.
     ///
     /// # Errors
     /// As [`accept`](Self::accept).
@@ -79,12 +82,6 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.ended = setpoint.last;
         self.queue.push(setpoint)?;
         Ok(true)
-    }
-
-    /// Returns `true` while a setpoint that was [offered](Self::offer) is neither queued nor refused.
-    #[must_use]
-    pub fn is_checking(&self) -> bool {
-        self.pending.is_some()
     }
 
     /// Holds the motion because of a setpoint.

@@ -19,7 +19,7 @@
 //! a fault are two latches: neither hides nor releases the other.
 //!
 //! No motion starts from an unknown place. A new follower does not know where the groups stand. It is told
-//! ([`stand`](Follower::stand), [`confirm`](Follower::confirm)), or it takes the [measured](Follower::measure) angles of
+//! ([`stand`](Follower::stand), [`confirm`](Follower::confirm)), or it takes the [measured](Follower::drive_from) angles of
 //! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly, and
 //! comes to rest there before the path begins. Until then nothing is commanded.
 

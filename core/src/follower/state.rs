@@ -5,15 +5,16 @@
 
 use core::fmt;
 
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::Scalar;
 use crate::acceptance::Refusal;
-use crate::numbers::{Numbers, long};
+use crate::numbers::{Numbers, number};
 use crate::path_clock::ClockLimits;
 
 /// State of a follower.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// There is no path.
@@ -31,27 +32,15 @@ pub enum State {
     Faulted,
 }
 
-impl State {
-    fn numbers(self) -> Numbers {
-        match self {
-            Self::Idle => Numbers::variant(0),
-            Self::Ready => Numbers::variant(1),
-            Self::Running => Numbers::variant(2),
-            Self::Holding => Numbers::variant(3),
-            Self::Done => Numbers::variant(4),
-            Self::Faulted => Numbers::variant(5),
-        }
-    }
-}
-
-impl Serialize for State {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
+impl From<State> for Numbers {
+    fn from(state: State) -> Self {
+        Self::variant(state as u32)
     }
 }
 
 /// Failure that ends a motion. It stays until it is [cleared](crate::follower::Follower::clear).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Fault {
     /// This hinge did not follow its command.
@@ -74,23 +63,18 @@ impl fmt::Display for Fault {
     }
 }
 
-impl Fault {
-    fn numbers(self) -> Numbers {
-        match self {
-            Self::Stalled(hinge) => Numbers::of(0, hinge),
-            Self::Leap(group) => Numbers::of(1, group),
+impl From<Fault> for Numbers {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Stalled(hinge) => Self::of(0, hinge),
+            Fault::Leap(group) => Self::of(1, group),
         }
     }
 }
 
-impl Serialize for Fault {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
-    }
-}
-
 /// Reason why a follower does not run at full speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// Nothing slows or holds the motion.
@@ -136,32 +120,27 @@ impl fmt::Display for Reason {
     }
 }
 
-impl Reason {
-    fn numbers(self) -> Numbers {
-        match self {
-            Self::None => Numbers::variant(0),
-            Self::Asked => Numbers::variant(1),
-            Self::Underrun => Numbers::variant(2),
-            Self::Silence => Numbers::variant(3),
-            Self::Lag(hinge) => Numbers::of(4, hinge),
-            Self::StopLine => Numbers::variant(5),
-            Self::Session => Numbers::variant(6),
-            Self::Refused(refusal) => Numbers::around(7, refusal.numbers()),
-            Self::Fault(fault) => Numbers::around(8, fault.numbers()),
-            Self::Approach => Numbers::variant(9),
-            Self::Lease => Numbers::variant(10),
+impl From<Reason> for Numbers {
+    fn from(reason: Reason) -> Self {
+        match reason {
+            Reason::None => Self::variant(0),
+            Reason::Asked => Self::variant(1),
+            Reason::Underrun => Self::variant(2),
+            Reason::Silence => Self::variant(3),
+            Reason::Lag(hinge) => Self::of(4, hinge),
+            Reason::StopLine => Self::variant(5),
+            Reason::Session => Self::variant(6),
+            Reason::Refused(refusal) => Self::around(7, refusal),
+            Reason::Fault(fault) => Self::around(8, fault),
+            Reason::Approach => Self::variant(9),
+            Reason::Lease => Self::variant(10),
         }
     }
 }
 
-impl Serialize for Reason {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
-    }
-}
-
 /// Reason why a command is not carried out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Denial {
     /// The command is not allowed in this state.
@@ -219,27 +198,20 @@ impl fmt::Display for Denial {
 
 impl core::error::Error for Denial {}
 
-impl Denial {
-    /// Returns what is encoded.
-    pub(crate) fn numbers(self) -> Numbers {
-        match self {
-            Self::State => Numbers::variant(0),
-            Self::Moving => Numbers::variant(1),
-            Self::Groups => Numbers::variant(2),
-            Self::Empty => Numbers::variant(3),
-            Self::Place => Numbers::variant(4),
-            Self::Jump(group) => Numbers::of(5, group),
-            Self::Held => Numbers::variant(6),
-            Self::Unknown(group) => Numbers::of(7, group),
-            Self::Spread(group) => Numbers::of(8, group),
-            Self::Range => Numbers::variant(9),
+impl From<Denial> for Numbers {
+    fn from(denial: Denial) -> Self {
+        match denial {
+            Denial::State => Self::variant(0),
+            Denial::Moving => Self::variant(1),
+            Denial::Groups => Self::variant(2),
+            Denial::Empty => Self::variant(3),
+            Denial::Place => Self::variant(4),
+            Denial::Jump(group) => Self::of(5, group),
+            Denial::Held => Self::variant(6),
+            Denial::Unknown(group) => Self::of(7, group),
+            Denial::Spread(group) => Self::of(8, group),
+            Denial::Range => Self::variant(9),
         }
-    }
-}
-
-impl Serialize for Denial {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
     }
 }
 
@@ -248,7 +220,7 @@ impl Serialize for Denial {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FollowerPosition<T> {
     /// Number of the last knot at or before the position.
-    #[serde(with = "long")]
+    #[serde(with = "number")]
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,

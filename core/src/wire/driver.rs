@@ -4,9 +4,9 @@
 use crate::follower::{FollowerPosition, Reason, State};
 use crate::wire::cobs::Deframer;
 use crate::wire::key::Key;
-use crate::wire::message::{Command, Item, Report, ToHost};
+use crate::wire::message::{Command, Report, ToHost};
 use crate::wire::path::PathItems;
-use crate::wire::sender::{Options, Phase, Sender, Source};
+use crate::wire::sender::{Options, Phase, Sender};
 
 /// Time between two commands, microseconds. Meanwhile reports show what the first one has done.
 const COMMAND_INTERVAL_US: u64 = 100_000;
@@ -27,23 +27,6 @@ pub enum Persistence {
     Always,
 }
 
-/// Items to send: none until it is known where to begin.
-#[derive(Clone, Copy, Debug)]
-struct Begun<'a>(Option<PathItems<'a>>);
-
-impl Begun<'_> {
-    /// Returns the number of items before the first setpoint.
-    fn head(&self) -> Option<u64> {
-        self.0.map(|items| items.head() as u64)
-    }
-}
-
-impl Source for Begun<'_> {
-    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        self.0.as_ref()?.item(index, scratch)
-    }
-}
-
 /// A host: its policy over a [`Sender`].
 #[derive(Clone, Debug)]
 pub struct Driver<'a> {
@@ -53,7 +36,8 @@ pub struct Driver<'a> {
     path: PathItems<'a>,
     /// Reverse of the path.
     reverse: Option<PathItems<'a>>,
-    begun: Begun<'a>,
+    /// Items to send: none until it is known where to begin.
+    begun: Option<PathItems<'a>>,
     /// Position that the controller told, if it is not on the path.
     astray: Option<FollowerPosition<f32>>,
     started: bool,
@@ -77,7 +61,7 @@ impl<'a> Driver<'a> {
             persistence,
             path,
             reverse: None,
-            begun: Begun(None),
+            begun: None,
             astray: None,
             started: false,
             stopping: false,
@@ -143,7 +127,7 @@ impl<'a> Driver<'a> {
     /// Returns the number of setpoints that the controller has taken.
     #[must_use]
     pub fn setpoints(&self) -> u64 {
-        let head = self.begun.head().unwrap_or(u64::MAX);
+        let head = self.begun.map_or(u64::MAX, |items| items.head() as u64);
         let items = self.sender.acknowledged().saturating_sub(head);
         items / self.path.pieces() as u64
     }
@@ -151,7 +135,7 @@ impl<'a> Driver<'a> {
     /// Returns the number of the knot that was sent first.
     #[must_use]
     pub fn first_knot(&self) -> u64 {
-        self.begun.0.map_or(0, |items| items.first() as u64)
+        self.begun.map_or(0, |items| items.first() as u64)
     }
 
     /// Returns the place where the sheet stands, if it is not on the path.
@@ -190,7 +174,7 @@ impl<'a> Driver<'a> {
         let message = self.sender.receive(frame, now)?;
         if let ToHost::Report(report) = message {
             let moves = matches!(report.state, State::Running | State::Done);
-            let head = self.begun.head();
+            let head = self.begun.map(|items| items.head() as u64);
             self.started |= moves && head.is_some_and(|head| self.sender.acknowledged() > head);
         }
         Some(message)
@@ -223,7 +207,7 @@ impl<'a> Driver<'a> {
     /// and the place told is not the last one. A fault has to be cleared before.
     fn begin(&mut self, report: &Report) {
         let rests = report.limit != report.next && report.state != State::Faulted;
-        if self.begun.0.is_some() || !rests || self.stopping || self.is_kept_out() {
+        if self.begun.is_some() || !rests || self.stopping || self.is_kept_out() {
             return;
         }
         // A controller that was on no path yet begins as well at the start.
@@ -237,8 +221,8 @@ impl<'a> Driver<'a> {
             let turns = self.reverse.map(|path| path.identity()) == Some(report.path);
             self.path.mirrored(report.place).filter(|_| turns)
         };
-        self.begun.0 = place.and_then(|place| self.path.at(place));
-        self.astray = self.begun.0.is_none().then_some(report.place);
+        self.begun = place.and_then(|place| self.path.at(place));
+        self.astray = self.begun.is_none().then_some(report.place);
     }
 
     /// Returns `true` if the host undoes whatever holds the motion, a stop line and a fault as well.
@@ -262,7 +246,7 @@ impl<'a> Driver<'a> {
 
     /// Returns `true` if all items were sent and have come.
     fn is_sent(&self) -> bool {
-        let items = self.begun.0.map(|items| items.len() as u64);
+        let items = self.begun.map(|items| items.count() as u64);
         items == Some(self.sender.acknowledged())
     }
 
@@ -281,13 +265,13 @@ impl<'a> Driver<'a> {
         if report.state == State::Faulted {
             return self.recovers().then_some(Command::Clear);
         }
-        self.begun.0?;
+        self.begun?;
         if self.undoes(report) {
             return Some(Command::Resume);
         }
         // The controller's queue is as full as it can be, or the rest of the path is before the command on the line. If a
         // setpoint of the rest gets lost, the motion waits for it at the last one before it.
-        let items = self.begun.0.map(|items| items.len() as u64);
+        let items = self.begun.map(|items| items.count() as u64);
         let full = items == Some(self.sender.under_way()) || report.limit == report.next;
         let command = if report.known && (self.confirms || self.measures) {
             Command::Forget

@@ -8,17 +8,7 @@ use crate::checksum::checksum;
 
 /// Writes a frame for the only controller of a line, node 0, into `buffer` and returns it; `None` if there is no room.
 pub fn seal<'b>(session: u32, message: &impl Serialize, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-    seal_for(0, session, message, buffer)
-}
-
-/// Writes a frame from or for the controller `node` into `buffer` and returns it; `None` if there is no room.
-pub fn seal_for<'b>(
-    node: u8,
-    session: u32,
-    message: &impl Serialize,
-    buffer: &'b mut [u8],
-) -> Option<&'b [u8]> {
-    let length = write(node, session, message, buffer)?;
+    let length = write(0, session, message, buffer)?;
     let length = close(buffer, length)?;
     buffer.get(..length)
 }
@@ -46,16 +36,10 @@ pub(crate) fn close(buffer: &mut [u8], length: usize) -> Option<usize> {
     Some(length + 4)
 }
 
-/// Returns session and message of a frame of node 0; see [`open_for`].
-pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
-    open_for(0, frame)
-}
-
-/// Returns session and message of a frame of `node`; `None` if the frame is that of another node, if the checksum
+/// Returns session and message of a frame of node 0; `None` if the frame is that of another node, if the checksum
 /// differs, or if the bytes are not those of exactly one message.
-pub fn open_for<'b, M: Deserialize<'b>>(node: u8, frame: &'b [u8]) -> Option<(u32, M)> {
-    let session = session(node, frame)?;
-    Some((session, message(checked(frame)?)?))
+pub fn open<'b, M: Deserialize<'b>>(frame: &'b [u8]) -> Option<(u32, M)> {
+    Some((session(0, frame)?, message(checked(frame)?)?))
 }
 
 /// Returns the session of a frame of `node`; `None` if the frame is that of another node or too short.

@@ -5,12 +5,12 @@
 
 use core::fmt;
 
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::Interpolation;
 use crate::acceptance::Refusal;
 use crate::follower::{Denial, FollowerPosition, Reason, State};
-use crate::numbers::{Numbers, long, short, wide};
+use crate::numbers::{Numbers, number};
 
 /// Version of the protocol.
 pub const VERSION: u16 = 3;
@@ -25,19 +25,19 @@ pub enum ToDevice<'a> {
     /// Asks for a session, in session 0.
     Hello {
         /// [`VERSION`] of the host.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         version: u16,
         /// [`SCHEMA`] of the host.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         schema: u32,
         /// Number that the host has not used before.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         id: u32,
     },
     /// One of the numbered items, which come through once each and in order.
     Item {
         /// Number of the item, modulo 2¹⁶, from 0.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         sequence: u16,
         /// The item.
         #[serde(borrow)]
@@ -85,18 +85,18 @@ pub struct SheetHead {
     /// Kind of motion between setpoints.
     pub interpolation: Interpolation,
     /// Number of groups.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub groups: u16,
     /// Number of hinges.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub hinges: u16,
     /// Number of spokes of all essential vertices.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub spokes: u16,
     /// Largest closure residual of a commanded configuration.
     pub closure: f32,
     /// Number that tells this path from others: a checksum of its numbers that is not 0.
-    #[serde(with = "long")]
+    #[serde(with = "number")]
     pub path: u32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
     pub place: FollowerPosition<f32>,
@@ -107,7 +107,7 @@ pub struct SheetHead {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SetpointBytes<'a> {
     /// Number of the knot in its path.
-    #[serde(with = "long")]
+    #[serde(with = "number")]
     pub number: u32,
     /// Seconds since the start of the path.
     pub time: f32,
@@ -140,7 +140,7 @@ pub enum Command {
     /// the hinge itself, valley positive.
     Jog {
         /// Number of the hinge.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         hinge: u16,
         /// Angle at which it stands, by the word of an operator.
         from: Option<f32>,
@@ -154,16 +154,16 @@ pub enum Command {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Capacity {
     /// Number of groups.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub groups: u16,
     /// Number of hinges.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub hinges: u16,
     /// Number of spokes of all essential vertices.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub spokes: u16,
     /// Number of setpoints in the queue.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub knots: u16,
 }
 
@@ -174,25 +174,25 @@ pub enum ToHost<'a> {
     /// Told in session 0 that the controller speaks another version.
     Mismatch {
         /// Id of the host that asked.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         id: u32,
         /// [`VERSION`] of the controller.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         version: u16,
         /// [`SCHEMA`] of the controller.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         schema: u32,
     },
     /// Offers a session, which begins with the first frame in it. Sent in session 0.
     Welcome {
         /// Id of the host that asked.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         id: u32,
         /// Number of the session.
-        #[serde(with = "long")]
+        #[serde(with = "number")]
         session: u32,
         /// Number that the controller has not used in any run before.
-        #[serde(with = "wide")]
+        #[serde(with = "number")]
         nonce: u64,
         /// Lowest bits of the controller's [epoch](crate::wire::key::epoch).
         epoch: u8,
@@ -206,7 +206,7 @@ pub enum ToHost<'a> {
     /// Commanded state and angles at a moment, in pieces if there are many groups. May be lost.
     Telemetry {
         /// Microseconds on the controller's clock.
-        #[serde(with = "wide")]
+        #[serde(with = "number")]
         time: u64,
         /// State of the follower.
         state: State,
@@ -215,7 +215,7 @@ pub enum ToHost<'a> {
         /// Position on the path.
         place: FollowerPosition<f32>,
         /// Number of the first group of this piece.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         first: u16,
         /// Commanded angles of groups, 4 bytes each, little endian; none while it is not known where they stand.
         angles: &'a [u8],
@@ -223,10 +223,10 @@ pub enum ToHost<'a> {
     /// Measured angles of some hinges at the moment of the [`Telemetry`](Self::Telemetry) before. May be lost.
     Measured {
         /// Microseconds on the controller's clock: those of the telemetry before.
-        #[serde(with = "wide")]
+        #[serde(with = "number")]
         time: u64,
         /// Number of the first hinge.
-        #[serde(with = "short")]
+        #[serde(with = "number")]
         first: u16,
         /// Commanded angle of the first hinge, radians, if it was moved by [`Command::Jog`].
         target: Option<f32>,
@@ -236,14 +236,14 @@ pub enum ToHost<'a> {
 }
 
 /// Acknowledges the items that have come, grants credit and tells the state.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report {
     /// Number of the item that is expected next: all items before it have come.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub next: u16,
     /// Number of the first item for which there is no room yet.
-    #[serde(with = "short")]
+    #[serde(with = "number")]
     pub limit: u16,
     /// Number of frames of the session that have come, modulo 2⁸.
     pub heard: u8,
@@ -264,7 +264,7 @@ pub struct Report {
     /// Position of the follower on the path.
     pub place: FollowerPosition<f32>,
     /// Number of the path on which the place is, see [`SheetHead::path`]; 0 if there was none.
-    #[serde(with = "long")]
+    #[serde(with = "number")]
     pub path: u32,
     /// `true` if it is known where the sheet stands.
     pub known: bool,
@@ -273,7 +273,8 @@ pub struct Report {
 }
 
 /// Reason why an item is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Numbers")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ItemRefusal {
     /// The setpoint is not valid.
@@ -325,24 +326,18 @@ impl fmt::Display for ItemRefusal {
 
 impl core::error::Error for ItemRefusal {}
 
-impl ItemRefusal {
-    fn numbers(self) -> Numbers {
-        match self {
-            Self::Setpoint(refusal) => Numbers::around(0, refusal.numbers()),
-            Self::Path(denial) => Numbers::around(1, denial.numbers()),
-            Self::Room => Numbers::variant(2),
-            Self::Pieces => Numbers::variant(3),
-            Self::Incomplete => Numbers::variant(4),
-            Self::Limits(group) => Numbers::of(5, group),
-            Self::Hinge(hinge) => Numbers::of(6, hinge),
-            Self::Stars => Numbers::variant(7),
-            Self::Closure => Numbers::variant(8),
+impl From<ItemRefusal> for Numbers {
+    fn from(refusal: ItemRefusal) -> Self {
+        match refusal {
+            ItemRefusal::Setpoint(refusal) => Self::around(0, refusal),
+            ItemRefusal::Path(denial) => Self::around(1, denial),
+            ItemRefusal::Room => Self::variant(2),
+            ItemRefusal::Pieces => Self::variant(3),
+            ItemRefusal::Incomplete => Self::variant(4),
+            ItemRefusal::Limits(group) => Self::of(5, group),
+            ItemRefusal::Hinge(hinge) => Self::of(6, hinge),
+            ItemRefusal::Stars => Self::variant(7),
+            ItemRefusal::Closure => Self::variant(8),
         }
-    }
-}
-
-impl Serialize for ItemRefusal {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.numbers().serialize(serializer)
     }
 }

@@ -74,12 +74,6 @@ pub fn hinge_codes(bytes: &[u8], bits: NonZero<usize>) -> impl Iterator<Item = u
     (0..8 * bytes.len() / bits).map(code)
 }
 
-/// Decodes a hinge: its code is twice its group, and 1 more if it turns the opposite way.
-#[must_use]
-pub fn hinge(code: u16) -> Membership {
-    Membership::from_code(code.into())
-}
-
 /// Decodes a spoke; the flag is `true` if it is the last of its star.
 #[must_use]
 pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
@@ -89,15 +83,25 @@ pub fn spoke(bytes: [u8; 10]) -> (Spoke<f32>, bool) {
     Spoke::from_code(code.into(), direction)
 }
 
-/// A path on a sheet, from a place on it: the items that a [`Sender`](crate::wire::sender::Sender) sends.
+/// Items that a [`Sender`](crate::wire::sender::Sender) sends: those of the sheet of `C`, and of its path from a place on
+/// it.
 #[derive(Clone, Copy, Debug)]
-pub struct PathItems<'a> {
+pub struct Items<C> {
     head: SheetHead,
+    content: C,
+    first: usize,
+}
+
+/// The items of a path in memory.
+pub type PathItems<'a> = Items<PathOnSheet<'a>>;
+
+/// A path on a sheet, in borrowed memory.
+#[derive(Clone, Copy, Debug)]
+pub struct PathOnSheet<'a> {
     limits: &'a [GroupLimits],
     hinges: &'a [Membership],
     stars: StarsView<'a, f32>,
     path: TrajectoryView<'a, f32>,
-    first: usize,
 }
 
 impl<'a> PathItems<'a> {
@@ -115,35 +119,44 @@ impl<'a> PathItems<'a> {
         closure: f32,
         place: FollowerPosition<f32>,
     ) -> Option<Self> {
-        let small = |count: usize| u16::try_from(count).ok().filter(|&count| count <= 1 << 14);
-        let spokes = stars.iter().map(|star| star.spokes.len()).sum();
         let groups = [stars.unknowns(), path.groups()];
-        let first = usize::try_from(place.knot).ok()?;
         let same = groups.iter().all(|&groups| groups == limits.len());
         let known = |hinge: &Membership| hinge.group.index() < limits.len();
-        let sound = same && hinges.iter().all(known) && first < path.len();
+        if !same || !hinges.iter().all(known) {
+            return None;
+        }
+        let content = PathOnSheet {
+            limits,
+            hinges,
+            stars,
+            path,
+        };
+        Self::of(content, path.interpolation(), closure)?.at(place)
+    }
+}
+
+#[allow(private_bounds, reason = "only this crate knows what can be sent")]
+impl<C: Content> Items<C> {
+    /// Creates the items from the first knot on, if there is one. Cost: a checksum over all numbers.
+    pub(super) fn of(content: C, interpolation: Interpolation, closure: f32) -> Option<Self> {
+        let small = |count: usize| u16::try_from(count).ok().filter(|&count| count <= 1 << 14);
+        let place = FollowerPosition::default();
         let head = SheetHead {
-            interpolation: path.interpolation(),
-            groups: small(limits.len())?,
-            hinges: small(hinges.len())?,
-            spokes: small(spokes)?,
+            interpolation,
+            groups: small(content.limits().count())?,
+            hinges: small(content.hinges().count())?,
+            spokes: small(content.spokes().count())?,
             closure,
             path: 0,
             place,
         };
         let mut items = Self {
             head,
-            limits,
-            hinges,
-            stars,
-            path,
-            first,
+            content,
+            first: 0,
         };
-        if !sound {
-            return None;
-        }
-        items.head.path = identity(&items);
-        Some(items)
+        items.head.path = items.checksum();
+        items.at(place)
     }
 
     /// Returns the number that tells this path from others, see [`SheetHead::path`].
@@ -163,7 +176,7 @@ impl<'a> PathItems<'a> {
     pub fn at(self, place: FollowerPosition<f32>) -> Option<Self> {
         let head = SheetHead { place, ..self.head };
         let first = usize::try_from(place.knot).ok()?;
-        (first < self.path.len()).then_some(Self {
+        (first < self.content.knots()).then_some(Self {
             head,
             first,
             ..self
@@ -175,7 +188,7 @@ impl<'a> PathItems<'a> {
     #[must_use]
     pub fn mirrored(&self, place: FollowerPosition<f32>) -> Option<FollowerPosition<f32>> {
         let knot = usize::try_from(place.knot).ok()?;
-        let facing = self.path.len().checked_sub(1)?.checked_sub(knot)?;
+        let facing = self.content.knots().checked_sub(1)?.checked_sub(knot)?;
         let at = |knot: usize, into: f32| {
             let knot = u32::try_from(knot).ok()?;
             Some(FollowerPosition { knot, into })
@@ -183,7 +196,7 @@ impl<'a> PathItems<'a> {
         let Some(before) = facing.checked_sub(1).filter(|_| place.into > 0.0) else {
             return at(facing, 0.0);
         };
-        let span = self.path.knot(facing)?.time - self.path.knot(before)?.time;
+        let span = self.content.time(facing)? - self.content.time(before)?;
         at(before, (span - place.into).max(0.0))
     }
 
@@ -201,14 +214,125 @@ impl<'a> PathItems<'a> {
 
     /// Returns the number of items.
     #[must_use]
-    pub fn len(&self) -> usize {
-        self.head() + (self.path.len() - self.first) * self.pieces()
+    pub fn count(&self) -> usize {
+        self.head() + (self.content.knots() - self.first) * self.pieces()
     }
 
-    /// Returns `false`: there is at least the sheet.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        false
+    /// Returns the checksum of all numbers of the path and its sheet, the limits aside, or 1 if it is 0.
+    fn checksum(&self) -> u32 {
+        let (content, kind) = (&self.content, self.head.interpolation);
+        let mut sum = u32::from(kind as u8);
+        let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
+        self.hinge_bytes().for_each(|byte| add(&[byte]));
+        for (code, direction) in content.spokes() {
+            add(&code.to_le_bytes());
+            direction.iter().for_each(|x| add(&x.to_le_bytes()));
+        }
+        for knot in 0..content.knots() {
+            if let Some(time) = content.time(knot) {
+                add(&time.to_le_bytes());
+            }
+            let nodes = || self.nodes(knot);
+            nodes().for_each(|node| add(&node.angle.to_le_bytes()));
+            nodes().for_each(|node| add(&node.rate.to_le_bytes()));
+            if kind.width() == 4 {
+                let weights = nodes().flat_map(|node| node.weight);
+                weights.for_each(|number| add(&number.to_le_bytes()));
+            }
+        }
+        sum.max(1)
+    }
+
+    /// Iterates over what the groups do at a knot.
+    fn nodes(&self, knot: usize) -> impl Iterator<Item = Node<f32>> {
+        let groups = 0..usize::from(self.head.groups);
+        groups.filter_map(move |group| self.content.node(knot, group))
+    }
+
+    fn limit_bytes(&self) -> impl Iterator<Item = u8> {
+        let numbers = self.content.limits().flat_map(|group| group.numbers());
+        numbers.flat_map(f32::to_le_bytes)
+    }
+
+    /// Encodes the codes of all hinges, one behind the other.
+    fn hinge_bytes(&self) -> impl Iterator<Item = u8> {
+        let bits = hinge_bits(self.head.groups).get();
+        let mut hinges = self.content.hinges();
+        // Bits that are not told yet, the first of them lowest.
+        let (mut word, mut filled) = (0, 0);
+        core::iter::from_fn(move || {
+            while filled < 8 {
+                match hinges.next() {
+                    Some(hinge) => {
+                        word |= hinge.code() << filled;
+                        filled += bits;
+                    }
+                    None if filled == 0 => return None,
+                    None => filled = 8,
+                }
+            }
+            let [byte, ..] = word.to_le_bytes();
+            word >>= 8;
+            filled -= 8;
+            Some(byte)
+        })
+    }
+
+    fn spoke_bytes(&self) -> impl Iterator<Item = u8> {
+        self.content.spokes().flat_map(|(code, direction)| {
+            let [a, b, ..] = code.to_le_bytes();
+            let numbers = direction.into_iter().flat_map(f32::to_le_bytes);
+            [a, b].into_iter().chain(numbers)
+        })
+    }
+
+    /// Returns piece number `index` of the setpoints.
+    fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let (setpoint, piece) = (index / self.pieces(), index % self.pieces());
+        let number = self.first.checked_add(setpoint)?;
+        let time = self.content.time(number)?;
+        let numbers = self.nodes(number).flat_map(|node| {
+            let [weight, rate] = node.weight;
+            let numbers = [node.angle, node.rate, weight, rate];
+            numbers.into_iter().take(self.head.interpolation.width())
+        });
+        let bytes = part(
+            numbers.flat_map(f32::to_le_bytes),
+            (piece * NODES_BYTES, NODES_BYTES),
+            scratch,
+        )?;
+        if piece + 1 < self.pieces() {
+            return Some(Item::Nodes(bytes));
+        }
+        Some(Item::Setpoint(SetpointBytes {
+            number: u32::try_from(number).ok()?,
+            time,
+            last: number + 1 == self.content.knots(),
+            nodes: bytes,
+        }))
+    }
+}
+
+impl<C: Content> Source for Items<C> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let mut index = usize::try_from(index).ok()?;
+        if index == 0 {
+            return Some(Item::Sheet(self.head));
+        }
+        index -= 1;
+        for (kind, (all, most)) in (0..).zip(self.head.bytes()) {
+            let count = all.div_ceil(most);
+            if index < count {
+                let range = (index * most, most);
+                return Some(match kind {
+                    0 => Item::Limits(part(self.limit_bytes(), range, scratch)?),
+                    1 => Item::Hinges(part(self.hinge_bytes(), range, scratch)?),
+                    _ => Item::Spokes(part(self.spoke_bytes(), range, scratch)?),
+                });
+            }
+            index -= count;
+        }
+        self.setpoint(index, scratch)
     }
 }
 
@@ -242,7 +366,6 @@ impl SheetHead {
 
 /// The numbers of a path and its sheet, wherever they are kept.
 pub(super) trait Content {
-    fn head(&self) -> &SheetHead;
     /// Returns the number of knots.
     fn knots(&self) -> usize;
     /// Iterates over the limits of each group.
@@ -257,11 +380,7 @@ pub(super) trait Content {
     fn node(&self, knot: usize, group: usize) -> Option<Node<f32>>;
 }
 
-impl Content for PathItems<'_> {
-    fn head(&self) -> &SheetHead {
-        &self.head
-    }
-
+impl Content for PathOnSheet<'_> {
     fn knots(&self) -> usize {
         self.path.len()
     }
@@ -284,161 +403,20 @@ impl Content for PathItems<'_> {
     }
 
     fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {
-        let knot = self.path.knot(knot)?;
-        Some(Node {
-            angle: *knot.angles.get(group)?,
-            rate: *knot.rates.get(group)?,
-            weight: knot.weights.get(group).copied().unwrap_or_default(),
-        })
+        self.path.knot(knot)?.node(group)
     }
 }
 
-/// Returns the checksum of all numbers of a path and its sheet, the limits aside, or 1 if it is 0.
-pub(super) fn identity(content: &impl Content) -> u32 {
-    let kind = content.head().interpolation;
-    let mut sum = u32::from(kind as u8);
-    let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
-    hinge_bytes(content).for_each(|byte| add(&[byte]));
-    for (code, direction) in content.spokes() {
-        add(&code.to_le_bytes());
-        direction.iter().for_each(|x| add(&x.to_le_bytes()));
-    }
-    for knot in 0..content.knots() {
-        if let Some(time) = content.time(knot) {
-            add(&time.to_le_bytes());
-        }
-        let groups = 0..usize::from(content.head().groups);
-        let nodes = || groups.clone().filter_map(|group| content.node(knot, group));
-        nodes().for_each(|node| add(&node.angle.to_le_bytes()));
-        nodes().for_each(|node| add(&node.rate.to_le_bytes()));
-        if kind.width() == 4 {
-            let weights = nodes().flat_map(|node| node.weight);
-            weights.for_each(|number| add(&number.to_le_bytes()));
-        }
-    }
-    sum.max(1)
-}
-
-/// Encodes the codes of all hinges, one behind the other.
-fn hinge_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
-    let bits = hinge_bits(content.head().groups).get();
-    let mut hinges = content.hinges();
-    // Bits that are not told yet, the first of them lowest.
-    let (mut word, mut filled) = (0, 0);
-    core::iter::from_fn(move || {
-        while filled < 8 {
-            match hinges.next() {
-                Some(hinge) => {
-                    word |= hinge.code() << filled;
-                    filled += bits;
-                }
-                None if filled == 0 => return None,
-                None => filled = 8,
-            }
-        }
-        let [byte, ..] = word.to_le_bytes();
-        word >>= 8;
-        filled -= 8;
-        Some(byte)
-    })
-}
-
-/// Returns item number `index` of a path from its knot number `first` on, with its bytes in `scratch`.
-pub(super) fn item<'b>(
-    content: &impl Content,
-    first: usize,
-    index: u64,
-    scratch: &'b mut [u8],
-) -> Option<Item<'b>> {
-    let mut index = usize::try_from(index).ok()?;
-    let head = content.head();
-    if index == 0 {
-        return Some(Item::Sheet(*head));
-    }
-    index -= 1;
-    for (kind, (all, most)) in (0..).zip(head.bytes()) {
-        let count = all.div_ceil(most);
-        if index < count {
-            let range = (index * most, most);
-            return Some(match kind {
-                0 => Item::Limits(part(limit_bytes(content), range, scratch)?),
-                1 => Item::Hinges(part(hinge_bytes(content), range, scratch)?),
-                _ => Item::Spokes(part(spoke_bytes(content), range, scratch)?),
-            });
-        }
-        index -= count;
-    }
-    setpoint(content, first, index, scratch)
-}
-
-fn limit_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
-    let numbers = content.limits().flat_map(|group| group.numbers());
-    numbers.flat_map(f32::to_le_bytes)
-}
-
-fn spoke_bytes(content: &impl Content) -> impl Iterator<Item = u8> {
-    content.spokes().flat_map(|(code, direction)| {
-        let [a, b, ..] = code.to_le_bytes();
-        let numbers = direction.into_iter().flat_map(f32::to_le_bytes);
-        [a, b].into_iter().chain(numbers)
-    })
-}
-
-/// Returns piece number `index` of the setpoints from knot number `first` on.
-fn setpoint<'b>(
-    content: &impl Content,
-    first: usize,
-    index: usize,
-    scratch: &'b mut [u8],
-) -> Option<Item<'b>> {
-    let head = content.head();
-    let (setpoint, piece) = (index / head.pieces(), index % head.pieces());
-    let number = first.checked_add(setpoint)?;
-    let time = content.time(number)?;
-    let groups = 0..usize::from(head.groups);
-    let nodes = groups.filter_map(|group| content.node(number, group));
-    let numbers = nodes.flat_map(|node| {
-        let [weight, rate] = node.weight;
-        let numbers = [node.angle, node.rate, weight, rate];
-        numbers.into_iter().take(head.interpolation.width())
-    });
-    let bytes = part(
-        numbers.flat_map(f32::to_le_bytes),
-        (piece * NODES_BYTES, NODES_BYTES),
-        scratch,
-    )?;
-    if piece + 1 < head.pieces() {
-        return Some(Item::Nodes(bytes));
-    }
-    Some(Item::Setpoint(SetpointBytes {
-        number: u32::try_from(number).ok()?,
-        time,
-        last: number + 1 == content.knots(),
-        nodes: bytes,
-    }))
-}
-
-/// Writes `length` bytes behind the first `from` to `scratch`, or as many as there are.
+/// Writes `most` bytes behind the first `from` to `scratch`, or as many as there are; `None` if there is no room.
 fn part(
     bytes: impl Iterator<Item = u8>,
-    (from, length): (usize, usize),
+    (from, most): (usize, usize),
     scratch: &mut [u8],
 ) -> Option<&[u8]> {
-    fill(scratch, bytes.skip(from).take(length))
-}
-
-/// Writes all bytes to `scratch`; `None` if there is no room.
-fn fill(scratch: &mut [u8], bytes: impl Iterator<Item = u8>) -> Option<&[u8]> {
     let mut length = 0;
-    for byte in bytes {
+    for byte in bytes.skip(from).take(most) {
         *scratch.get_mut(length)? = byte;
         length += 1;
     }
     scratch.get(..length)
-}
-
-impl Source for PathItems<'_> {
-    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        item(self, self.first, index, scratch)
-    }
 }

@@ -3,7 +3,7 @@
 //! Answers are not queued. Each is built from the state at the time when it leaves, so that a full line costs nothing
 //! but time.
 
-use crate::follower::{Denial, FollowerPosition, Reason, State};
+use crate::follower::Denial;
 use crate::wire::frame;
 use crate::wire::key::{self, Key, Nonces};
 use crate::wire::message::{
@@ -26,25 +26,6 @@ pub enum Event<'a> {
     Alive,
     /// A key to take; call [`Receiver::propose`], or do nothing.
     Pair(Key),
-}
-
-/// State of the controller for a report, which the receiver does not know itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
-    /// State of the follower.
-    pub state: State,
-    /// Reason why the follower does not run at full speed.
-    pub reason: Reason,
-    /// Position of the follower on the path.
-    pub place: FollowerPosition<f32>,
-    /// Number of the path on which the position is; 0 if there was none.
-    pub path: u32,
-    /// `true` if it is known where the sheet stands.
-    pub known: bool,
-    /// `true` if the stop line holds the motion.
-    pub stopped: bool,
-    /// Number of items for which there is room.
-    pub room: u16,
 }
 
 /// The controller as it presents itself to hosts.
@@ -116,14 +97,6 @@ enum Gap {
     None,
     Seen,
     Said,
-}
-
-impl Receiver {
-    /// Creates a receiver without a session and without a key.
-    #[must_use]
-    pub fn new(identity: Identity) -> Self {
-        Self::protected(identity, Unkeyed)
-    }
 }
 
 impl<P: Protection> Receiver<P> {
@@ -407,15 +380,21 @@ impl<P: Protection> Receiver<P> {
         self.due.report && self.open.is_some()
     }
 
-    /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent).
-    pub fn poll<'b>(&mut self, status: &Status, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+    /// Writes the next answer to `buffer`, if one is due. It stays due until [`sent`](Self::sent). A report says what
+    /// `status` says of the follower and of its path, and that there is room for `room` items.
+    pub fn poll<'b>(
+        &mut self,
+        status: &Report,
+        room: u16,
+        buffer: &'b mut [u8],
+    ) -> Option<&'b [u8]> {
         let Identity {
             nonce, capacity, ..
         } = self.identity;
         if let Some(session) = self.session()
             && self.due.report
         {
-            let message = ToHost::Report(self.report(status));
+            let message = ToHost::Report(self.report(status, room));
             self.seal(session, 0, &message, buffer)
         } else if let Some(Host { id, upper }) = self.due.mismatch {
             let (version, schema) = (VERSION, SCHEMA);
@@ -452,22 +431,17 @@ impl<P: Protection> Receiver<P> {
         }
     }
 
-    fn report(&self, status: &Status) -> Report {
+    fn report(&self, status: &Report, room: u16) -> Report {
         Report {
             next: self.course.next,
-            limit: self.course.next.wrapping_add(status.room),
+            limit: self.course.next.wrapping_add(room),
             heard: self.course.heard,
             epoch: key::told(self.epoch),
             gap: self.course.gap == Gap::Seen,
             refused: self.course.refused,
             command: self.course.command,
             denied: self.course.denied,
-            state: status.state,
-            reason: status.reason,
-            place: status.place,
-            path: status.path,
-            known: status.known,
-            stopped: status.stopped,
+            ..*status
         }
     }
 }

@@ -21,6 +21,13 @@ pub trait Source {
     fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>>;
 }
 
+/// `None` has nothing to send.
+impl<S: Source> Source for Option<S> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        self.as_ref()?.item(index, scratch)
+    }
+}
+
 /// Options of a [`Sender`]. Times are microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {

@@ -3,6 +3,7 @@
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Node, StarsView};
+use foldpath_test_support::Measure as _;
 
 pub(crate) const TICK: u64 = 1000;
 

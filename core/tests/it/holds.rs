@@ -3,7 +3,7 @@
 
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Measurement, Reason, State};
 use foldpath_core::{GroupId, Membership, Scalar};
-use foldpath_test_support::Random;
+use foldpath_test_support::{Measure as _, Random};
 
 use crate::alike::{Run, TICK};
 
@@ -271,7 +271,7 @@ fn ticks_without_a_measurement_hide_no_stuck_hinge() {
                     group: GroupId(hinge % 2),
                     negative: false,
                 });
-                run.follower.drive(members, |hinge, _, target| {
+                run.follower.drive_from(0, members, |hinge, _, target| {
                     let command = target.unwrap().angle;
                     let angle = if hinge == stuck {
                         command.min(0.3)

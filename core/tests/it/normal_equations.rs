@@ -1,22 +1,17 @@
-//! Do the dense normal equations, and the dual ones, give the step of nalgebra's Cholesky factorisation?
+//! Do the dense normal equations give the step of nalgebra's Cholesky factorisation?
 
 use foldpath_core::least_squares::{Accumulate, NormalEquations};
-use foldpath_core::{DenseNormalEquations, DualNormalEquations, Scalar};
+use foldpath_core::{DenseNormalEquations, Scalar};
 use foldpath_test_support::Random;
 use foldpath_test_support::stars::Stars;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 const STARS: usize = 3;
 
-/// Compares both kinds of equations in N unknowns; several spokes of a star may share an unknown.
-fn equal_nalgebras<T: Scalar, const N: usize>() {
+/// Compares the equations in N unknowns; several spokes of a star may share an unknown.
+fn equals_nalgebra<T: Scalar, const N: usize>() {
     let mut memory = vec![T::zero(); DenseNormalEquations::<T>::memory(N)];
-    equals_nalgebra::<T, N>(&mut DenseNormalEquations::new(N, &mut memory).unwrap());
-    let (mut columns, mut gradient) = ([[T::zero(); 3 * STARS]; N], [T::zero(); N]);
-    equals_nalgebra::<T, N>(&mut DualNormalEquations::new(N, &mut columns, &mut gradient).unwrap());
-}
-
-fn equals_nalgebra<T: Scalar, const N: usize>(equations: &mut impl NormalEquations<T>) {
+    let mut equations = DenseNormalEquations::new(N, &mut memory).unwrap();
     let mut rng = Random::new(31);
     for _ in 0..200 {
         // The rows of three stars are added up twice: by core, and in `f64` by nalgebra.
@@ -80,10 +75,10 @@ fn equals_nalgebra<T: Scalar, const N: usize>(equations: &mut impl NormalEquatio
 
 #[test]
 fn solution_equals_nalgebras() {
-    equal_nalgebras::<f32, 3>();
-    equal_nalgebras::<f64, 3>();
-    equal_nalgebras::<f32, 6>();
-    equal_nalgebras::<f64, 6>();
+    equals_nalgebra::<f32, 3>();
+    equals_nalgebra::<f64, 3>();
+    equals_nalgebra::<f32, 6>();
+    equals_nalgebra::<f64, 6>();
 }
 
 #[test]
@@ -105,28 +100,6 @@ fn a_matrix_that_is_not_positive_definite_is_refused() {
 }
 
 #[test]
-fn rows_without_room_are_not_left_out() {
-    let (mut columns, mut gradient) = ([[0.0; 3]; 2], [0.0; 2]);
-    let mut equations = DualNormalEquations::new(2, &mut columns, &mut gradient).unwrap();
-    let stars = Stars::new(2, &[&[(0.0, 0, false), (90.0, 1, false)]]);
-    let mut factorise = |stars_added| {
-        equations.clear();
-        for star in 0..stars_added {
-            equations.add(
-                star,
-                &stars.spokes,
-                &[Vector3::x(), Vector3::y()],
-                &Vector3::z(),
-            );
-        }
-        equations.factorise(1.0)
-    };
-    assert!(factorise(1));
-    assert!(!factorise(2));
-    assert!(factorise(1));
-}
-
-#[test]
 fn memory_is_checked() {
     let mut memory = vec![0.0; DenseNormalEquations::<f64>::memory(3)];
     assert!(DenseNormalEquations::new(3, &mut memory).is_some());
@@ -134,13 +107,5 @@ fn memory_is_checked() {
     assert!(DenseNormalEquations::new(usize::MAX, &mut memory).is_none());
     let mut nothing = DenseNormalEquations::<f64>::new(0, &mut []).unwrap();
     assert!(nothing.factorise(0.0));
-    nothing.solve(&mut []);
-
-    let (mut columns, mut gradient) = ([[0.0; 3]; 4], [0.0; 3]);
-    assert!(DualNormalEquations::new(3, &mut columns, &mut gradient).is_some());
-    assert!(DualNormalEquations::new(3, &mut columns[2..], &mut gradient).is_none());
-    assert!(DualNormalEquations::new(4, &mut columns, &mut gradient).is_none());
-    let mut nothing = DualNormalEquations::<f64, 0>::new(0, &mut [], &mut []).unwrap();
-    assert!(nothing.factorise(1.0));
     nothing.solve(&mut []);
 }

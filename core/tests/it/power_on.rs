@@ -3,7 +3,7 @@
 use foldpath_core::acceptance::SheetView;
 use foldpath_core::follower::{Denial, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::{GroupId, Interpolation, Membership, Scalar, StarsView};
-use foldpath_test_support::Random;
+use foldpath_test_support::{Measure as _, Random};
 
 use crate::alike::{LIMITS, Run};
 

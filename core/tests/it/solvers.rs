@@ -4,7 +4,7 @@
 use core::f64::consts::PI;
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::sampling::random_near;
-use foldpath_core::{DenseNormalEquations, DualNormalEquations, HalfAngle, Scalar};
+use foldpath_core::{DenseNormalEquations, HalfAngle, Scalar};
 use foldpath_core::{gradient, levenberg_marquardt};
 use foldpath_test_support::stars::{
     Stars, foldability_error, miura, miura_angles, waterbomb, waterbomb_angles,
@@ -40,20 +40,17 @@ impl Storage for Vecs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
     LevenbergMarquardt,
-    Dual,
     Gradient,
 }
 
-use Method::{Dual, Gradient, LevenbergMarquardt};
+use Method::{Gradient, LevenbergMarquardt};
 
 const METHODS: [Method; 2] = [LevenbergMarquardt, Gradient];
-/// Levenberg-Marquardt on the primal and on the dual normal equations.
-const DAMPED: [Method; 2] = [LevenbergMarquardt, Dual];
 
 impl Method {
     fn workspace(self, unknowns: usize) -> usize {
         match self {
-            LevenbergMarquardt | Dual => 2 * unknowns,
+            LevenbergMarquardt => 2 * unknowns,
             Gradient => 3 * unknowns,
         }
     }
@@ -62,7 +59,7 @@ impl Method {
     fn options<T: Scalar>(self) -> Options<T> {
         Options {
             max_iterations: match self {
-                LevenbergMarquardt | Dual => 100,
+                LevenbergMarquardt => 100,
                 Gradient => 1000,
             },
             ..Options::default()
@@ -105,32 +102,9 @@ impl Method {
                     workspace,
                 )
             }
-            Dual if view.len() == 1 => dual::<T, S, 3>(&mut problem, limits, options, x, workspace),
-            Dual => dual::<T, S, 6>(&mut problem, limits, options, x, workspace),
             Gradient => gradient::solve(&mut problem, limits, options, x, workspace),
         }
     }
-}
-
-/// Solves by the dual normal equations; the stars have M residuals in all.
-fn dual<T: Scalar, S: Storage, const M: usize>(
-    problem: &mut ClosureProblem<'_, T>,
-    limits: Limits<'_, T>,
-    options: &Options<T>,
-    x: &mut [T],
-    workspace: &mut [T],
-) -> Report<T> {
-    let n = problem.unknowns();
-    let (mut rows, mut slopes) = (S::room([T::zero(); M], n), S::room(T::zero(), n));
-    let equations = DualNormalEquations::new(n, rows.as_mut(), slopes.as_mut());
-    levenberg_marquardt::solve(
-        problem,
-        &mut equations.unwrap(),
-        limits,
-        options,
-        x,
-        workspace,
-    )
 }
 
 /// Asserts that the report is true of `x`, by the 4x4 matrices, which the solvers do not use.
@@ -175,142 +149,137 @@ fn miura_error<T: Scalar>(sector: f64, x: [T; 2]) -> f64 {
 }
 
 fn finds_the_miura_fold_again<T: Scalar, S: Storage>() {
-    for method in DAMPED {
-        let options = method.options();
-        for (sector, _, start) in miura_starts::<T>(300) {
-            let stars = miura(sector, false, false);
-            let mut x = start;
-            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-            assert_eq!(
-                report.outcome,
-                Outcome::Converged,
-                "{sector} {start:?} {report:?}"
-            );
-            assert!(report.iterations <= 6, "{sector} {start:?} {report:?}");
-            assert_honest(&stars, &options, &x, &report);
-            let error = miura_error(sector, x);
-            assert!(
-                error <= T::CLOSURE_TOLERANCE.to_f64(),
-                "{error:e} {sector} {x:?}"
-            );
-        }
+    let method = LevenbergMarquardt;
+    let options = method.options();
+    for (sector, _, start) in miura_starts::<T>(300) {
+        let stars = miura(sector, false, false);
+        let mut x = start;
+        let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+        assert_eq!(
+            report.outcome,
+            Outcome::Converged,
+            "{sector} {start:?} {report:?}"
+        );
+        assert!(report.iterations <= 6, "{sector} {start:?} {report:?}");
+        assert_honest(&stars, &options, &x, &report);
+        let error = miura_error(sector, x);
+        assert!(
+            error <= T::CLOSURE_TOLERANCE.to_f64(),
+            "{error:e} {sector} {x:?}"
+        );
     }
 }
 
 fn finds_the_waterbomb_again<T: Scalar, S: Storage>() {
-    for method in DAMPED {
-        let mut rng = Random::new(12);
-        let stars = waterbomb();
-        let options = method.options();
-        for _ in 0..300 {
-            let closed: [T; 4] = cast(waterbomb_angles(rng.uniform(0.3, 0.95)));
-            let mut x = closed;
-            let radius = T::lit(rng.uniform(0.05, 0.3));
-            random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
-            let start = x;
-            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-            assert_eq!(report.outcome, Outcome::Converged, "{start:?} {report:?}");
-            assert!(report.iterations <= 15, "{start:?} {report:?}");
-            assert_honest(&stars, &options, &x, &report);
-            let expected = waterbomb_angles((x[0].to_f64() / 2.0).tan());
-            for (x, expected) in x.iter().zip(expected) {
-                // Three factors: √2 for two residuals, 4 for a singular value above 1/4, and 2.2 because b moves 2.2
-                // times as fast as m.
-                let error = (x.to_f64() - expected).abs();
-                assert!(
-                    error <= 20.0 * T::CLOSURE_TOLERANCE.to_f64(),
-                    "{error:e} {x:?}"
-                );
-            }
+    let method = LevenbergMarquardt;
+    let mut rng = Random::new(12);
+    let stars = waterbomb();
+    let options = method.options();
+    for _ in 0..300 {
+        let closed: [T; 4] = cast(waterbomb_angles(rng.uniform(0.3, 0.95)));
+        let mut x = closed;
+        let radius = T::lit(rng.uniform(0.05, 0.3));
+        random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
+        let start = x;
+        let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+        assert_eq!(report.outcome, Outcome::Converged, "{start:?} {report:?}");
+        assert!(report.iterations <= 15, "{start:?} {report:?}");
+        assert_honest(&stars, &options, &x, &report);
+        let expected = waterbomb_angles((x[0].to_f64() / 2.0).tan());
+        for (x, expected) in x.iter().zip(expected) {
+            // Three factors: √2 for two residuals, 4 for a singular value above 1/4, and 2.2 because b moves 2.2
+            // times as fast as m.
+            let error = (x.to_f64() - expected).abs();
+            assert!(
+                error <= 20.0 * T::CLOSURE_TOLERANCE.to_f64(),
+                "{error:e} {x:?}"
+            );
         }
     }
 }
 
 fn converges_quadratically<T: Scalar, S: Storage>() {
-    for method in DAMPED {
-        let mut squared = 0;
-        for (sector, _, start) in miura_starts::<T>(200) {
-            let stars = miura(sector, false, false);
-            let residual = |max_iterations| {
-                let options = Options {
-                    max_iterations,
-                    ..Options::default()
-                };
-                let mut x = start;
-                let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-                report.residual.to_f64()
+    let method = LevenbergMarquardt;
+    let mut squared = 0;
+    for (sector, _, start) in miura_starts::<T>(200) {
+        let stars = miura(sector, false, false);
+        let residual = |max_iterations| {
+            let options = Options {
+                max_iterations,
+                ..Options::default()
             };
-            let residuals: Vec<f64> = (0..6).map(residual).collect();
-            for drop in residuals.windows(2) {
-                let (before, after) = (drop[0], drop[1]);
-                let bound = 4.0 * before * before;
-                let floor = T::CLOSURE_TOLERANCE.to_f64();
-                assert!(
-                    after <= bound.max(floor),
-                    "{sector} {start:?}: {residuals:?}"
-                );
-                squared += usize::from(before < 0.1 && bound > floor);
-            }
+            let mut x = start;
+            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+            report.residual.to_f64()
+        };
+        let residuals: Vec<f64> = (0..6).map(residual).collect();
+        for drop in residuals.windows(2) {
+            let (before, after) = (drop[0], drop[1]);
+            let bound = 4.0 * before * before;
+            let floor = T::CLOSURE_TOLERANCE.to_f64();
+            assert!(
+                after <= bound.max(floor),
+                "{sector} {start:?}: {residuals:?}"
+            );
+            squared += usize::from(before < 0.1 && bound > floor);
         }
-        assert!(squared >= 100, "{squared} drops show the order");
     }
+    assert!(squared >= 100, "{squared} drops show the order");
 }
 
 fn what_closes_for_certain_is_not_evaluated<T: Scalar, S: Storage>() {
-    for method in DAMPED {
-        let mut rng = Random::new(16);
-        let mut spared = 0;
-        for run in 0..3000 {
-            let (stars, closed) = match run % 2 {
-                0 => (
-                    waterbomb(),
-                    waterbomb_angles(rng.uniform(0.3, 0.95)).to_vec(),
-                ),
-                _ => (miura(60.0, false, false), miura_angles(60.0, 1.5).to_vec()),
-            };
-            let closed: Vec<T> = closed.into_iter().map(T::lit).collect();
-            let mut x = closed.clone();
-            let radius = T::lit(rng.uniform(0.001, 0.5));
-            random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
-            // Some steps reach one of these limits, and some the limit on their length.
-            let near = |angle| (angle - T::lit(0.1), angle + T::lit(rng.uniform(0.0, 0.5)));
-            let limits: Vec<(T, T)> = closed.iter().copied().map(near).collect();
-            let finest = T::CLOSURE_TOLERANCE.to_f64().log10();
-            let options = Options {
-                tolerance: T::lit(10_f64.powf(rng.uniform(finest, 0.0))),
-                acceptable: T::zero(),
-                max_step: T::lit(rng.uniform(0.1, 1.0)),
-                ..method.options()
-            };
-            let report = method.solve::<T, S>(&stars, Limits::Each(&limits), &options, &mut x);
-            assert_honest(&stars, &options, &x, &report);
-            assert_within(&limits, &x);
-            spared += usize::from(report.iterations > 0 && report.evaluations <= report.iterations);
-        }
-        assert!(spared > 1000, "{spared} of 3000");
+    let method = LevenbergMarquardt;
+    let mut rng = Random::new(16);
+    let mut spared = 0;
+    for run in 0..3000 {
+        let (stars, closed) = match run % 2 {
+            0 => (
+                waterbomb(),
+                waterbomb_angles(rng.uniform(0.3, 0.95)).to_vec(),
+            ),
+            _ => (miura(60.0, false, false), miura_angles(60.0, 1.5).to_vec()),
+        };
+        let closed: Vec<T> = closed.into_iter().map(T::lit).collect();
+        let mut x = closed.clone();
+        let radius = T::lit(rng.uniform(0.001, 0.5));
+        random_near(&mut rng, &closed, radius, Limits::HalfTurn, &mut x);
+        // Some steps reach one of these limits, and some the limit on their length.
+        let near = |angle| (angle - T::lit(0.1), angle + T::lit(rng.uniform(0.0, 0.5)));
+        let limits: Vec<(T, T)> = closed.iter().copied().map(near).collect();
+        let finest = T::CLOSURE_TOLERANCE.to_f64().log10();
+        let options = Options {
+            tolerance: T::lit(10_f64.powf(rng.uniform(finest, 0.0))),
+            acceptable: T::zero(),
+            max_step: T::lit(rng.uniform(0.1, 1.0)),
+            ..method.options()
+        };
+        let report = method.solve::<T, S>(&stars, Limits::Each(&limits), &options, &mut x);
+        assert_honest(&stars, &options, &x, &report);
+        assert_within(&limits, &x);
+        spared += usize::from(report.iterations > 0 && report.evaluations <= report.iterations);
     }
+    assert!(spared > 1000, "{spared} of 3000");
 }
 
 fn no_step_makes_it_worse<T: Scalar, S: Storage>() {
-    for method in DAMPED {
-        let mut rng = Random::new(15);
-        let stars = miura(60.0, false, false);
-        for _ in 0..300 {
-            let start = rng.angles::<T>(2);
-            let mut before = T::MAX;
-            for max_iterations in 0..20 {
-                let options = Options {
-                    max_iterations,
-                    ..Options::default()
-                };
-                let mut x = start.clone();
-                let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
-                assert!(
-                    report.residual <= before,
-                    "{start:?} {max_iterations}: {report:?}"
-                );
-                before = report.residual;
-            }
+    let method = LevenbergMarquardt;
+    let mut rng = Random::new(15);
+    let stars = miura(60.0, false, false);
+    for _ in 0..300 {
+        let start = rng.angles::<T>(2);
+        let mut before = T::MAX;
+        for max_iterations in 0..20 {
+            let options = Options {
+                max_iterations,
+                ..Options::default()
+            };
+            let mut x = start.clone();
+            let report = method.solve::<T, S>(&stars, Limits::HalfTurn, &options, &mut x);
+            assert!(
+                report.residual <= before,
+                "{start:?} {max_iterations}: {report:?}"
+            );
+            before = report.residual;
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Trajectories: their samples between knots, the input that they refuse, and their stored form.
+//! Trajectories: their samples between knots, and the input that they refuse.
 
 use foldpath_core::Interpolation::Hermite;
-use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryError, TrajectoryView};
+use foldpath_core::trajectory::{Knot, TrajectoryError, TrajectoryView};
 use foldpath_core::{Curve, Interpolation, Node, Scalar};
 use foldpath_test_support::{Random, cast};
 
@@ -126,87 +126,6 @@ fn a_view_refuses_bad_knots() {
     }
 }
 
-fn knot<'a>(time: f64, angles: &'a [f64], rates: &'a [f64]) -> Knot<'a, f64> {
-    Knot {
-        time,
-        angles,
-        rates,
-        weights: &[],
-    }
-}
-
-/// Returns two knots of two groups, in storage for `KNOTS` knots and `VALUES` angles.
-fn two_knots<const KNOTS: usize, const VALUES: usize>() -> Trajectory<f64, KNOTS, VALUES> {
-    let mut trajectory = Trajectory::new(Hermite, 2);
-    for (index, time) in TIMES.into_iter().enumerate() {
-        let range = 2 * index..2 * index + 2;
-        let knot = knot(time, &ANGLES[range.clone()], &RATES[range]);
-        trajectory.push(knot).unwrap();
-    }
-    trajectory
-}
-
-#[test]
-fn pushed_knots_are_in_the_view() {
-    let trajectory = two_knots::<2, 4>();
-    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
-    assert_eq!(trajectory.view(), view);
-}
-
-#[test]
-fn push_refuses_bad_knots_and_changes_nothing() {
-    use TrajectoryError::{NotFinite, Order, Width};
-    let before = two_knots::<4, 8>();
-    let (nan, two) = (f64::NAN, [0.0; 2]);
-    for (knot, error) in [
-        (knot(3.0, &[0.0], &two), Width(2)),
-        (knot(3.0, &two, &[0.0; 3]), Width(2)),
-        (knot(2.0, &two, &two), Order(2)),
-        (knot(1.0, &two, &two), Order(2)),
-        (knot(nan, &two, &two), NotFinite(2)),
-        (knot(f64::INFINITY, &two, &two), NotFinite(2)),
-        (knot(3.0, &[0.0, nan], &two), NotFinite(2)),
-        (knot(3.0, &two, &[nan, 0.0]), NotFinite(2)),
-    ] {
-        let mut trajectory = before.clone();
-        assert_eq!(trajectory.push(knot), Err(error));
-        assert_eq!(trajectory, before);
-    }
-}
-
-/// Pushes a third knot into storage that has no room for it.
-fn overfill<const KNOTS: usize, const VALUES: usize>() {
-    let before = two_knots::<KNOTS, VALUES>();
-    let mut trajectory = before.clone();
-    let result = trajectory.push(knot(3.0, &[0.0; 2], &[0.0; 2]));
-    assert_eq!(result, Err(TrajectoryError::Capacity(2)));
-    assert_eq!(trajectory, before);
-}
-
-#[test]
-fn push_refuses_a_knot_without_room_and_changes_nothing() {
-    overfill::<2, 8>();
-    overfill::<3, 4>();
-    overfill::<3, 5>();
-}
-
-#[test]
-fn postcard_brings_back_the_same_trajectory() {
-    let trajectory = two_knots::<4, 8>();
-    let mut buffer = [0; 128];
-    let bytes = postcard::to_slice(&trajectory, &mut buffer).unwrap();
-    let back: Trajectory<f64, 4, 8> = postcard::from_bytes(bytes).unwrap();
-    assert_eq!(back, trajectory);
-    // The last bytes of the last rate precede the number of weights. An exponent of ones makes the rate a NaN or
-    // infinite.
-    let mut spoilt = bytes.to_vec();
-    let end = spoilt.len() - 1;
-    spoilt[end - 2..end].fill(0xff);
-    assert!(postcard::from_bytes::<Trajectory<f64, 4, 8>>(&spoilt).is_err());
-    let too_small = postcard::from_bytes::<Trajectory<f64, 1, 8>>(bytes);
-    assert!(too_small.is_err());
-}
-
 /// Returns a weighted knot of one group.
 fn node(angle: f64, rate: f64, weight: [f64; 2]) -> Node<f64> {
     Node {
@@ -311,26 +230,5 @@ fn a_view_refuses_what_its_interpolation_cannot_pass_through() {
             view(kind, &half_turn, weights),
             Err(TrajectoryError::Width(_))
         ));
-    }
-}
-
-#[test]
-fn rates_are_sampled_per_second() {
-    let (times, angles, rates) = ([1.0, 3.0], [0.0, 1.0], [0.25, 0.75]);
-    let view = TrajectoryView::new(Hermite, 1, &times, &angles, &rates, &[]).unwrap();
-    let rate = |time| {
-        let mut rate = [0.0];
-        view.sample_rates(time, &mut rate);
-        rate[0]
-    };
-    let angle = |time| {
-        let mut angle = [0.0];
-        view.sample(time, &mut angle);
-        angle[0]
-    };
-    assert!((rate(0.0) - 0.25).abs() < 1e-15 && (rate(4.0) - 0.75).abs() < 1e-15);
-    for time in [1.0, 1.5, 2.0, 2.9] {
-        let slope = (angle(time + 1e-6) - angle(time)) / 1e-6;
-        assert!((rate(time) - slope).abs() < 1e-5);
     }
 }

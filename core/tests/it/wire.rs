@@ -15,7 +15,8 @@ use foldpath_core::wire::message::{
     ToHost, VERSION,
 };
 use foldpath_core::wire::path::{self, PathItems};
-use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
+use foldpath_core::wire::protection::Unkeyed;
+use foldpath_core::wire::receiver::{Event, Identity, Receiver};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender, Source};
 use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
@@ -465,7 +466,7 @@ impl Ends {
         Self {
             now: 0,
             sender: Sender::new(5, Options::default()),
-            receiver: Receiver::new(numbered(0)),
+            receiver: Receiver::protected(numbered(0), Unkeyed),
             source: Numbers(items),
             room,
             came: Vec::new(),
@@ -509,17 +510,13 @@ impl Ends {
 
     /// Returns the controller's next answer, if one is due.
     fn answered(&mut self) -> Option<Vec<u8>> {
-        let status = Status {
-            state: State::Idle,
-            reason: Reason::None,
-            place: FollowerPosition::default(),
-            room: self.room,
-            path: 0,
+        let status = Report {
             known: true,
-            stopped: false,
+            ..Report::default()
         };
         let mut buffer = [0; 128];
-        let frame = self.receiver.poll(&status, &mut buffer).map(<[u8]>::to_vec);
+        let frame = self.receiver.poll(&status, self.room, &mut buffer);
+        let frame = frame.map(<[u8]>::to_vec);
         if frame.is_some() {
             self.receiver.sent();
         }
@@ -760,7 +757,7 @@ fn no_two_hosts_share_a_session() {
 #[test]
 fn a_host_whose_session_is_over_is_told() {
     let mut ends = Ends::open(20, 5);
-    ends.receiver = Receiver::new(numbered(1));
+    ends.receiver = Receiver::protected(numbered(1), Unkeyed);
     let frame = ends.said().unwrap();
     ends.hear(&frame);
     assert!(ends.came.is_empty());
@@ -798,7 +795,7 @@ fn a_ring_takes_whole_frames_and_keeps_its_reserve() {
 #[test]
 fn random_bytes_are_neither_frames_nor_panics() {
     let mut rng = Random::new(92);
-    let mut receiver = Receiver::new(numbered(0));
+    let mut receiver = Receiver::protected(numbered(0), Unkeyed);
     let mut sender = Sender::new(5, Options::default());
     let mut deframer = Deframer::<64>::default();
     let mut buffer = [0; 64];
@@ -823,16 +820,11 @@ fn random_bytes_are_neither_frames_nor_panics() {
             receiver.took();
         }
         let _ = sender.receive(&frame, 0);
-        let status = Status {
-            state: State::Idle,
-            reason: Reason::None,
-            place: FollowerPosition::default(),
-            room: 5,
-            path: 0,
+        let status = Report {
             known: true,
-            stopped: false,
+            ..Report::default()
         };
-        if receiver.poll(&status, &mut buffer).is_some() {
+        if receiver.poll(&status, 5, &mut buffer).is_some() {
             receiver.sent();
         }
     }
@@ -916,7 +908,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
                 came_hinges.extend(
                     path::hinge_codes(bytes, width(2))
                         .take(left)
-                        .map(path::hinge),
+                        .map(|code| Membership::from_code(code.into())),
                 );
             }
             Item::Spokes(bytes) => {
@@ -924,7 +916,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
             }
             Item::Nodes(_) => panic!("two groups fit into one item"),
             Item::Setpoint(setpoint) => {
-                assert_eq!(setpoint.last, index + 1 == items.len() as u64);
+                assert_eq!(setpoint.last, index + 1 == items.count() as u64);
                 for node in path::nodes(Interpolation::Hermite, setpoint.nodes) {
                     came_angles.push(node.angle);
                     came_rates.push(node.rate);
@@ -932,7 +924,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
             }
         }
     }
-    assert_eq!(count, items.len());
+    assert_eq!(count, items.count());
     assert_eq!(
         (came_limits, came_hinges),
         (limits.to_vec(), members.clone())
@@ -1001,11 +993,11 @@ fn a_file_gives_the_items_of_its_path() {
             let items = PathItems::new(view, &limits, &members, stars, 1e-6, place).unwrap();
             let file = file.at(place).unwrap();
             assert_eq!(file.identity(), items.identity());
-            for index in 0..=items.len() as u64 {
+            for index in 0..=items.count() as u64 {
                 let (mut a, mut b) = ([0; 256], [0; 256]);
                 let item = items.item(index, &mut a);
                 assert_eq!(file.item(index, &mut b), item, "{kind:?} {knot} {index}");
-                assert_eq!(item.is_some(), index < items.len() as u64);
+                assert_eq!(item.is_some(), index < items.count() as u64);
             }
         }
         identities.push(file.identity());

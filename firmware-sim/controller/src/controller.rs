@@ -10,9 +10,9 @@ use foldpath_core::follower::{
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
-use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, ToHost};
+use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, Report, ToHost};
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
-use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
+use foldpath_core::wire::receiver::{Event, Identity, Receiver};
 use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupId, GroupLimits, Membership};
 
@@ -133,22 +133,11 @@ pub struct Controller<
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
-    Controller<GROUPS, HINGES, SPOKES, KNOTS>
-{
-    /// Creates a controller without a key that waits for a host.
-    // Inlined for the reason given at `Application::new`.
-    #[inline(always)]
-    #[must_use]
-    pub fn new(settings: Settings) -> Self {
-        Self::protected(settings, Unkeyed)
-    }
-}
-
-impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS: usize>
     Controller<GROUPS, HINGES, SPOKES, KNOTS, Keyed>
 {
     /// Creates a controller that waits for a host with this key. Without a key it takes frames of any host, until a host
     /// sets one.
+    // Inlined for the reason given at `Application::new`.
     #[inline(always)]
     #[must_use]
     pub fn keyed(settings: Settings, key: Option<Key>) -> Self {
@@ -456,17 +445,18 @@ impl<
         if news {
             self.receiver.announce();
         }
-        let status = Status {
+        let status = Report {
             state,
             reason,
             place: follower.position(),
             path: self.loader.path,
             known: follower.is_known(),
             stopped,
-            room: self.loader.room(),
+            ..Report::default()
         };
+        let items = self.loader.room();
         let mut buffer = [0; FRAME];
-        while let Some(frame) = self.receiver.poll(&status, &mut buffer) {
+        while let Some(frame) = self.receiver.poll(&status, items, &mut buffer) {
             let reports = self.receiver.reports();
             let since = |then| now.saturating_sub(then);
             let early = self.greeted.is_some_and(|then| since(then) < GREETINGS);

@@ -4,11 +4,13 @@
 const DIGITS: u32 = 19;
 
 /// Reads a whole number of 16 bits.
-#[allow(clippy::indexing_slicing, reason = "the part is in the text")]
-pub(crate) const fn whole(text: &[u8], (from, end): (usize, usize)) -> Option<u16> {
-    let (mut at, mut value) = (from, 0_u16);
-    while at < end {
-        let digit = text[at].wrapping_sub(b'0');
+pub(crate) const fn whole(mut text: &[u8]) -> Option<u16> {
+    if text.is_empty() {
+        return None;
+    }
+    let mut value = 0_u16;
+    while let [byte, rest @ ..] = text {
+        let digit = byte.wrapping_sub(b'0');
         if digit > 9 {
             return None;
         }
@@ -19,23 +21,24 @@ pub(crate) const fn whole(text: &[u8], (from, end): (usize, usize)) -> Option<u1
             },
             None => return None,
         };
-        at += 1;
+        text = rest;
     }
-    if from < end { Some(value) } else { None }
+    Some(value)
 }
 
 /// Reads a decimal number with or without a sign and a point, and returns the nearest `f32`, of two equally near ones the
 /// even one, as the standard library does. `None` if it is no such number, if it has an exponent, or if it has more than 19
 /// digits behind the point or from its first digit that is not 0 on.
-#[allow(clippy::indexing_slicing, reason = "the part is in the text")]
-pub(crate) const fn number(text: &[u8], (from, end): (usize, usize)) -> Option<f32> {
-    let negative = from < end && text[from] == b'-';
-    let signed = negative || from < end && text[from] == b'+';
-    let mut at = if signed { from + 1 } else { from };
+pub(crate) const fn number(text: &[u8]) -> Option<f32> {
+    let (negative, mut text) = match text {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, text),
+    };
     let (mut value, mut digits, mut decimals) = (0_u64, 0, 0);
     let (mut any, mut point) = (false, false);
-    while at < end {
-        let digit = text[at].wrapping_sub(b'0');
+    while let [byte, rest @ ..] = text {
+        let digit = byte.wrapping_sub(b'0');
         if digit <= 9 {
             any = true;
             digits += (value > 0 || digit > 0) as u32;
@@ -44,12 +47,12 @@ pub(crate) const fn number(text: &[u8], (from, end): (usize, usize)) -> Option<f
                 return None;
             }
             value = 10 * value + digit as u64;
-        } else if text[at] == b'.' && !point {
+        } else if *byte == b'.' && !point {
             point = true;
         } else {
             return None;
         }
-        at += 1;
+        text = rest;
     }
     if !any {
         return None;
@@ -90,7 +93,7 @@ mod tests {
     use super::{number, whole};
 
     fn read(text: &str) -> Option<f32> {
-        number(text.as_bytes(), (0, text.len()))
+        number(text.as_bytes())
     }
 
     fn same(text: &str) {
@@ -163,7 +166,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_have_16_bits() {
-        let read = |text: &str| whole(text.as_bytes(), (0, text.len()));
+        let read = |text: &str| whole(text.as_bytes());
         assert_eq!(
             (read("0"), read("65535"), read("007")),
             (Some(0), Some(65_535), Some(7))

@@ -1,6 +1,9 @@
-//! A lock-free queue of bytes between an interrupt and the main loop.
+//! A lock-free queue of bytes between an interrupt and the main loop, and a line of two of them.
 
+use core::convert::Infallible;
 use core::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+
+use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 
 /// A queue of up to `N` bytes, a power of 2, for one producer and one consumer, neither of which waits.
 #[derive(Debug)]
@@ -66,6 +69,54 @@ impl<const N: usize> Fifo<N> {
         let byte = place.load(Ordering::Relaxed);
         self.taken.store(taken.wrapping_add(1), Ordering::Release);
         Some(byte)
+    }
+}
+
+/// The controller's end of a line that interrupts or tasks fill and empty.
+#[derive(Debug)]
+pub struct Line<'a, const IN: usize, const OUT: usize, W> {
+    /// Bytes that wait for the controller.
+    pub incoming: &'a Fifo<IN>,
+    /// Bytes from the controller that wait for the line.
+    pub outgoing: &'a Fifo<OUT>,
+    /// Wakes what takes bytes out of `outgoing`, to which some were added.
+    pub wake: W,
+}
+
+impl<const IN: usize, const OUT: usize, W> ErrorType for Line<'_, IN, OUT, W> {
+    type Error = Infallible;
+}
+
+impl<const IN: usize, const OUT: usize, W> ReadReady for Line<'_, IN, OUT, W> {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.incoming.is_empty())
+    }
+}
+
+impl<const IN: usize, const OUT: usize, W> Read for Line<'_, IN, OUT, W> {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        let waiting = core::iter::from_fn(|| self.incoming.take());
+        let places = bytes.iter_mut().zip(waiting);
+        Ok(places.map(|(place, byte)| *place = byte).count())
+    }
+}
+
+impl<const IN: usize, const OUT: usize, W> WriteReady for Line<'_, IN, OUT, W> {
+    fn write_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.outgoing.is_full())
+    }
+}
+
+impl<const IN: usize, const OUT: usize, W: FnMut()> Write for Line<'_, IN, OUT, W> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        let added = bytes.iter().take_while(|byte| self.outgoing.add(**byte));
+        let count = added.count();
+        (self.wake)();
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
     }
 }
 

@@ -23,11 +23,6 @@ impl<P: InputPin> NormallyClosed<P> {
     pub fn is_drawn(&mut self) -> bool {
         !matches!(self.pin.is_low(), Ok(true))
     }
-
-    /// Returns the pin.
-    pub fn free(self) -> P {
-        self.pin
-    }
 }
 
 /// A servo on a channel of pulses, which holds the pulse that was commanded last.
@@ -105,11 +100,6 @@ impl<C: SetDutyCycle> Servo<C> {
     pub fn rest(&mut self) -> Result<(), ServoError<C::Error>> {
         let set = self.channel.set_duty_cycle_fully_off();
         set.map_err(ServoError::Channel)
-    }
-
-    /// Returns the channel.
-    pub fn free(self) -> C {
-        self.channel
     }
 }
 
@@ -196,7 +186,7 @@ mod tests {
             }
         }
         assert_eq!(servo.rest(), Ok(()));
-        assert_eq!(servo.free().0, Ok(0));
+        assert_eq!(servo.channel.0, Ok(0));
         let mut broken = Servo::new(Channel(Err(Broken)), 20_000.0, 1500.0, 600.0);
         assert_eq!(broken.command(0.0), Err(ServoError::Channel(Broken)));
     }

@@ -30,6 +30,6 @@ mod window;
 
 pub use application::{Application, Board, TICK};
 pub use controller::{ALONE, Condition, Controller, FRAME, Settings, WAITING};
-pub use fifo::Fifo;
+pub use fifo::{Fifo, Line};
 pub use map::{HingeMap, MapError};
 pub use player::{PlayRefusal, Player, PlayerError};

@@ -20,6 +20,7 @@ use crate::decimal;
 
 /// The first line of a map.
 pub const HEADER: &str = "hinge,channel,zero,sign,lower,upper";
+const HEADER_BYTES: &[u8] = HEADER.as_bytes();
 
 /// The channel of a hinge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +52,7 @@ impl Entry {
     /// # Errors
     /// The first flaw. Every number of 16 bits is that of a hinge here.
     pub const fn parse(line: &str) -> Result<Self, Flaw> {
-        let text = line.as_bytes();
-        entry(text, trimmed(text, 0, text.len()), 1 << 16)
+        entry(line.as_bytes(), 1 << 16)
     }
 }
 
@@ -187,7 +187,7 @@ impl<const N: usize> HingeMap<N> {
     )]
     pub const fn parse(text: &str) -> Result<Self, MapError> {
         const { assert!(N <= 1 << 16, "hinges have numbers of 16 bits") };
-        let text = text.as_bytes();
+        let mut text = text.as_bytes();
         let mut channels = [Channel {
             channel: 0,
             zero: 0.0,
@@ -196,19 +196,22 @@ impl<const N: usize> HingeMap<N> {
             upper: 0.0,
         }; N];
         let mut known = [false; N];
-        let (mut at, mut line, mut headed) = (0, 1, false);
-        while at < text.len() {
-            let end = find(text, at, text.len(), b'\n');
-            let content = trimmed(text, at, find(text, at, end, b'#'));
-            at = end + 1;
-            if content.0 < content.1 {
+        let (mut line, mut headed) = (1, false);
+        while !text.is_empty() {
+            let (content, behind) = split(text, b'\n');
+            let (content, _) = split(content, b'#');
+            text = match behind {
+                Some(behind) => behind,
+                None => &[],
+            };
+            if !content.is_empty() {
                 if !headed {
-                    if !is(text, content, HEADER.as_bytes()) {
+                    if !matches!(content, HEADER_BYTES) {
                         return flawed(line, Flaw::Header);
                     }
                     headed = true;
                 } else {
-                    let Entry { hinge, channel } = match entry(text, content, N) {
+                    let Entry { hinge, channel } = match entry(content, N) {
                         Ok(entry) => entry,
                         Err(flaw) => return flawed(line, flaw),
                     };
@@ -310,99 +313,57 @@ impl<const N: usize> fmt::Display for HingeMap<N> {
     }
 }
 
-/// A part of the text, from its first byte to the one behind its last.
-type Part = (usize, usize);
-
 const fn flawed<const N: usize>(line: u32, flaw: Flaw) -> Result<HingeMap<N>, MapError> {
     Err(MapError { line, flaw })
 }
 
-/// Returns the place of the first such byte from `from` on; `end` if there is none before.
-#[allow(clippy::indexing_slicing, reason = "`end` is at most the length")]
-const fn find(text: &[u8], from: usize, end: usize, byte: u8) -> usize {
-    let mut at = from;
-    while at < end && text[at] != byte {
-        at += 1;
+/// Returns the text before the first such byte, without the spaces at its ends, and the text behind that byte if there is
+/// one.
+const fn split(text: &[u8], byte: u8) -> (&[u8], Option<&[u8]>) {
+    let mut rest = text;
+    while let [first, behind @ ..] = rest {
+        if *first == byte {
+            let (before, _) = text.split_at(text.len() - rest.len());
+            return (before.trim_ascii(), Some(behind));
+        }
+        rest = behind;
     }
-    at
+    (text.trim_ascii(), None)
 }
 
-/// Returns a part of the text without the spaces at its ends.
-#[allow(clippy::indexing_slicing, reason = "`end` is at most the length")]
-const fn trimmed(text: &[u8], mut from: usize, mut end: usize) -> Part {
-    while from < end && text[from].is_ascii_whitespace() {
-        from += 1;
-    }
-    while from < end && text[end - 1].is_ascii_whitespace() {
-        end -= 1;
-    }
-    (from, end)
-}
-
-/// Returns `true` if this part of the text is `expected`.
-#[allow(clippy::indexing_slicing, reason = "both have this length")]
-const fn is(text: &[u8], (from, end): Part, expected: &[u8]) -> bool {
-    let mut at = 0;
-    while at < expected.len() && from + at < end && text[from + at] == expected[at] {
-        at += 1;
-    }
-    at == expected.len() && from + at == end
+/// Unwraps a value, or returns the flaw of the line without it: constant functions have no `?`.
+macro_rules! or {
+    ($value:expr, $flaw:expr) => {
+        match $value {
+            Some(value) => value,
+            None => return Err($flaw),
+        }
+    };
 }
 
 /// Reads a line: the number of a hinge below `hinges`, and its channel.
-const fn entry(text: &[u8], (from, end): Part, hinges: usize) -> Result<Entry, Flaw> {
-    let (hinge, from) = match value(text, from, end) {
-        Some(value) => value,
-        None => return Err(Flaw::Values),
+const fn entry(line: &[u8], hinges: usize) -> Result<Entry, Flaw> {
+    let (hinge, rest) = split(line, b',');
+    let (channel, rest) = split(or!(rest, Flaw::Values), b',');
+    let (zero, rest) = split(or!(rest, Flaw::Values), b',');
+    let (sign, rest) = split(or!(rest, Flaw::Values), b',');
+    let (lower, rest) = split(or!(rest, Flaw::Values), b',');
+    let (upper, None) = split(or!(rest, Flaw::Values), b',') else {
+        return Err(Flaw::Values);
     };
-    let (channel, from) = match value(text, from, end) {
-        Some(value) => value,
-        None => return Err(Flaw::Values),
+    let hinge = or!(decimal::whole(hinge), Flaw::Hinge);
+    if hinge as usize >= hinges {
+        return Err(Flaw::Hinge);
+    }
+    let channel = or!(decimal::whole(channel), Flaw::Channel);
+    let zero = or!(decimal::number(zero), Flaw::Zero);
+    let negative = match sign {
+        b"-" | b"-1" => true,
+        b"+" | b"1" | b"+1" => false,
+        _ => return Err(Flaw::Sign),
     };
-    let (zero, from) = match value(text, from, end) {
-        Some(value) => value,
-        None => return Err(Flaw::Values),
-    };
-    let (sign, from) = match value(text, from, end) {
-        Some(value) => value,
-        None => return Err(Flaw::Values),
-    };
-    let (lower, from) = match value(text, from, end) {
-        Some(value) => value,
-        None => return Err(Flaw::Values),
-    };
-    // Nothing follows the last value.
-    let upper = match find(text, from, end, b',') == end && from <= end {
-        true => trimmed(text, from, end),
-        false => return Err(Flaw::Values),
-    };
-    let hinge = match decimal::whole(text, hinge) {
-        Some(hinge) if (hinge as usize) < hinges => hinge,
-        _ => return Err(Flaw::Hinge),
-    };
-    let channel = match decimal::whole(text, channel) {
-        Some(channel) => channel,
-        None => return Err(Flaw::Channel),
-    };
-    let zero = match decimal::number(text, zero) {
-        Some(zero) => zero,
-        None => return Err(Flaw::Zero),
-    };
-    let negative = if is(text, sign, b"-") || is(text, sign, b"-1") {
-        true
-    } else if is(text, sign, b"+") || is(text, sign, b"1") || is(text, sign, b"+1") {
-        false
-    } else {
-        return Err(Flaw::Sign);
-    };
-    let lower = match decimal::number(text, lower) {
-        Some(lower) => lower,
-        None => return Err(Flaw::Lower),
-    };
-    let upper = match decimal::number(text, upper) {
-        Some(upper) => upper,
-        None => return Err(Flaw::Upper),
-    };
+    let lower = or!(decimal::number(lower), Flaw::Lower);
+    let upper = or!(decimal::number(upper), Flaw::Upper);
     if lower > upper {
         return Err(Flaw::Order);
     }
@@ -414,16 +375,6 @@ const fn entry(text: &[u8], (from, end): Part, hinges: usize) -> Result<Entry, F
         upper,
     };
     Ok(Entry { hinge, channel })
-}
-
-/// Returns the value that begins at `from` and the place behind its comma; `None` without a comma.
-const fn value(text: &[u8], from: usize, end: usize) -> Option<(Part, usize)> {
-    let comma = find(text, from, end, b',');
-    if comma < end {
-        Some((trimmed(text, from, comma), comma + 1))
-    } else {
-        None
-    }
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> 
     limits: Vec<GroupLimits, GROUPS>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
-    /// Code of each hinge, see [`path::hinge`]: of the sheet that is received, and of the sheet that is driven.
+    /// Code of each hinge, see [`Membership::from_code`]: of the sheet that is received, and of the sheet that is driven.
     hinges: Vec<u16, HINGES>,
     driven: Vec<u16, HINGES>,
 }
@@ -100,7 +100,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     pub fn adopt(&mut self, board: fn(u32) -> GroupLimits) -> Result<(), ItemRefusal> {
         self.view().ok_or(ItemRefusal::Incomplete)?;
         for (hinge, code) in (0..).zip(&self.hinges) {
-            let Membership { group, negative } = path::hinge(*code);
+            let Membership { group, negative } = Membership::from_code((*code).into());
             let board = board(hinge);
             if let Some(limits) = self.limits.get_mut(group.index()) {
                 *limits = narrowed(*limits, board, negative);
@@ -158,7 +158,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         }
         let codes = || path::hinge_codes(bytes, bits).take(count);
         for (hinge, code) in (number(self.hinges.len())..).zip(codes()) {
-            if path::hinge(code).group.index() >= usize::from(head.groups) {
+            if Membership::from_code(code.into()).group.index() >= usize::from(head.groups) {
                 return Err(ItemRefusal::Hinge(hinge));
             }
         }
@@ -240,7 +240,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     ) -> impl ExactSizeIterator<Item = Membership> {
         let end = hinges.end.min(self.driven.len());
         let some = self.driven.get(hinges.start..end).unwrap_or(&[]);
-        some.iter().map(|code| path::hinge(*code))
+        some.iter()
+            .map(|code| Membership::from_code((*code).into()))
     }
 }
 

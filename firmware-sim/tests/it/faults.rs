@@ -6,9 +6,11 @@ use foldpath_core::follower::{Fault, Reason, State};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{SCHEMA, ToDevice, ToHost, VERSION};
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::{Failure, Phase};
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_firmware_sim::hinges::{Drive, Hinges, Trouble};
+use foldpath_test_support::Measure as _;
 use rand_core::Rng;
 
 use crate::path::{CLOSURE, Device, KNOTS, LIMITS, Path, TOP, below, settings};
@@ -438,7 +440,7 @@ fn after_a_reset_the_fold_goes_on_from_the_last_place_executed() {
 /// Resets the controller. Its board has kept the record of the last tick.
 fn reset(world: &mut World<'_>) {
     let record = world.device.record(1, 1);
-    world.device = Device::new(settings(1 << 40));
+    world.device = Device::protected(settings(1 << 40), Unkeyed);
     world.device.restore(&record, true);
 }
 

@@ -10,6 +10,7 @@ use foldpath_core::follower::{Denial, Fault, FollowerPosition, Measurement, Reas
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{Command, Report, SCHEMA, ToDevice, ToHost, VERSION};
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::Source;
 
 use crate::path::{BOARD, Path, settings};
@@ -58,7 +59,7 @@ impl Bench {
 
     fn with(settings: Settings, sensor: Sensor) -> Self {
         let mut bench = Self {
-            device: Box::new(Device::new(settings)),
+            device: Box::new(Device::protected(settings, Unkeyed)),
             now: 1_000_000,
             session: 0,
             sequence: 0,
@@ -517,7 +518,7 @@ fn a_jog_and_a_sheet_keep_apart() {
     assert_eq!((bench.commands.len(), commanded), (50, vec![3]));
     let kept: Record<4> = bench.device.record(1, 1);
     assert_eq!((kept.angles(), kept.path, kept.astray), (&[][..], 0, false));
-    let mut other = Device::new(settings(2));
+    let mut other = Device::protected(settings(2), Unkeyed);
     other.restore(&kept, true);
     assert!(!other.follower().is_known());
     // The next sheet, be it the same, owns its hinges: nothing is commanded before it starts.

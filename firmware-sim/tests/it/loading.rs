@@ -11,6 +11,7 @@ use foldpath_core::wire::message::{
     Command, Item, ItemRefusal, SCHEMA, SheetHead, ToDevice, ToHost, VERSION,
 };
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::Source;
 use foldpath_core::{Interpolation, StarsView};
 
@@ -201,7 +202,7 @@ fn a_setpoint_of_many_vertices_delays_no_tick() {
 fn no_more_room_is_told_than_numbers_can_tell() {
     type Large = Controller<1, 1, 1, 40_000>;
     let test = || {
-        let mut device = Box::new(Large::new(settings(1)));
+        let mut device = Box::new(Large::protected(settings(1), Unkeyed));
         let (version, schema) = (VERSION, SCHEMA);
         let hello = ToDevice::Hello {
             version,

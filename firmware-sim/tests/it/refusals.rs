@@ -8,6 +8,7 @@ use foldpath_core::wire::frame;
 use foldpath_core::wire::message::{
     Command, Item, ItemRefusal, Report, SCHEMA, SetpointBytes, SheetHead, ToDevice, ToHost, VERSION,
 };
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::Source;
 use foldpath_test_support::Random;
 use rand_core::Rng;
@@ -29,7 +30,7 @@ pub(crate) struct Talk {
 impl Talk {
     pub(crate) fn new() -> Self {
         let mut talk = Self {
-            device: flat(Device::new(settings(1))),
+            device: flat(Device::protected(settings(1), Unkeyed)),
             deframer: Deframer::default(),
             now: 1000,
             session: 0,

@@ -6,10 +6,10 @@ use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
-use foldpath_core::{GroupId, Spoke, StarsView};
+use foldpath_core::{GroupId, HalfAngle, Objective, Spoke, StarsView};
 use foldpath_firmware_sim::faults::{Faults, Line};
 use foldpath_firmware_sim::hinges::Hinges;
-use foldpath_test_support::Random;
+use foldpath_test_support::{Measure as _, Random};
 
 use crate::path::{CLOSURE, Device, LIMITS, Path, flat, settings, vertex};
 
@@ -120,7 +120,13 @@ pub(crate) struct World<'a, P: Protection = Unkeyed> {
 impl<'a> World<'a> {
     pub(crate) fn new(path: &'a Path, faults: Faults, seed: u64) -> Self {
         let host = Host::new(path, 1000 + u32::try_from(seed).unwrap() * 7);
-        Self::of(path, faults, seed, host, Device::new(settings(seed)))
+        Self::of(
+            path,
+            faults,
+            seed,
+            host,
+            Device::protected(settings(seed), Unkeyed),
+        )
     }
 }
 
@@ -219,7 +225,9 @@ impl<'a, P: Protection> World<'a, P> {
         }
         let vertex = vertex_of_hinges();
         let stars = StarsView::new(&vertex, &[4], self.path.hinges.len()).unwrap();
-        self.torn = self.torn.max(hinges.torn(stars));
+        let mut scratch = vec![HalfAngle::default(); self.path.hinges.len()];
+        let torn = Objective::Max.value(stars, &hinges.angles(), &mut scratch);
+        self.torn = self.torn.max(torn.unwrap() / core::f64::consts::SQRT_2);
     }
 
     /// Checks what has to hold at every tick, whatever goes wrong.

@@ -9,16 +9,15 @@ use std::panic::catch_unwind;
 
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::{
-    DenseNormalEquations, DualNormalEquations, GroupId, HalfAngle, Scalar, Spoke, StarView,
-    StarsView, closure, gradient, levenberg_marquardt,
+    DenseNormalEquations, GroupId, HalfAngle, Scalar, Spoke, StarView, StarsView, closure,
+    gradient, levenberg_marquardt,
 };
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3};
 
 use crate::matrices::{Line, product, residual, rotation, skew};
 use crate::{Random, exceeds, worst};
 
-/// `DEGREE`: largest number of creases round a vertex. `TOGETHER`: largest number of vertices that share unknowns, see
-/// [`by_dual`].
+/// `DEGREE`: largest number of creases round a vertex. `TOGETHER`: largest number of vertices that share unknowns.
 const DEGREE: usize = 64;
 const TOGETHER: usize = 3;
 /// Largest number of iterations of the solvers.
@@ -278,9 +277,9 @@ impl Stars {
         let mut work = vec![T::zero(); 3 * n];
         let mut memory = vec![T::zero(); DenseNormalEquations::<T>::memory(n)];
         let names = if precision == "f64" {
-            ["LM dense f64", "LM dual f64", "gradient f64"]
+            ["LM dense f64", "gradient f64"]
         } else {
-            ["LM dense f32", "LM dual f32", "gradient f32"]
+            ["LM dense f32", "gradient f32"]
         };
         for solver in names {
             let mut at = x.clone();
@@ -295,7 +294,7 @@ impl Stars {
                     ..options
                 };
                 gradient::solve(&mut closing, limits, &options, &mut at, &mut work)
-            } else if solver.starts_with("LM dense") {
+            } else {
                 let mut equations = DenseNormalEquations::new(n, &mut memory).expect("room");
                 let work = &mut work;
                 levenberg_marquardt::solve(
@@ -306,13 +305,6 @@ impl Stars {
                     &mut at,
                     work,
                 )
-            } else {
-                let closing = &mut closing;
-                match problem.degrees.len() {
-                    1 => by_dual::<T, 3>(closing, limits, &options, &mut at, &mut work),
-                    2 => by_dual::<T, 6>(closing, limits, &options, &mut at, &mut work),
-                    _ => by_dual::<T, 9>(closing, limits, &options, &mut at, &mut work),
-                }
             };
             let solved = Solved { report, x: &at };
             let outcome = format!("{:?}", report.outcome);
@@ -399,21 +391,6 @@ fn prefixes(turns: &[(Line, f64)]) -> Vec<Matrix4<f64>> {
         Some(here)
     });
     before.collect()
-}
-
-/// Solves by Levenberg-Marquardt with the dual equations of exactly M residuals.
-fn by_dual<T: Scalar, const M: usize>(
-    problem: &mut ClosureProblem<'_, T>,
-    limits: Limits<'_, T>,
-    options: &Options<T>,
-    x: &mut [T],
-    work: &mut [T],
-) -> Report<T> {
-    let n = problem.unknowns();
-    let (mut columns, mut slope) = (vec![[T::zero(); M]; n], vec![T::zero(); n]);
-    let equations = DualNormalEquations::new(n, &mut columns, &mut slope);
-    let mut equations = equations.expect("room");
-    levenberg_marquardt::solve(problem, &mut equations, limits, options, x, work)
 }
 
 impl<T: Scalar> Solved<'_, T> {

@@ -14,3 +14,66 @@ pub use folder::{Answer, Folder};
 pub use json::{edited, numbers};
 pub use precision::cast;
 pub use random::Random;
+
+use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
+use foldpath_core::follower::{Follower, FollowerPosition, Measurement, Options};
+use foldpath_core::trajectory_file::TrajectoryFile;
+use foldpath_core::{Curve, Membership, Scalar};
+
+/// Returns the motion of a group in a file from knot number `segment` to the next knot; `None` if there is none.
+#[must_use]
+pub fn curve(file: &TrajectoryFile<'_>, segment: usize, group: usize) -> Option<Curve<f32>> {
+    let next = segment.checked_add(1)?;
+    let span = file.time(next)? - file.time(segment)?;
+    let (from, to) = (file.node(segment, group)?, file.node(next, group)?);
+    Some(Curve::between(file.interpolation(), span, from, to))
+}
+
+/// Asks a follower on this sheet whether it takes `next` as the setpoint behind `before`.
+///
+/// # Errors
+/// The reason why it does not.
+///
+/// # Panics
+/// If the follower does not take the sheet or `before`.
+pub fn takes<T: Scalar, const GROUPS: usize>(
+    sheet: &SheetView<'_, T>,
+    before: Option<&Setpoint<T, GROUPS>>,
+    next: &Setpoint<T, GROUPS>,
+) -> Result<(), Refusal> {
+    let mut follower = Follower::<T, GROUPS, 4>::new(Options::default());
+    let place = FollowerPosition {
+        knot: before.unwrap_or(next).number,
+        into: T::zero(),
+    };
+    follower.load(sheet, place).expect("a sheet");
+    if let Some(before) = before {
+        let taken = follower.accept(sheet, before.clone());
+        taken.expect("a setpoint to begin at");
+    }
+    follower.accept(sheet, next.clone())
+}
+
+/// Measures one hinge alone, without a command for it.
+pub trait Measure<T> {
+    /// Takes the measured angle of this hinge.
+    fn measure(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        measurement: impl Into<Measurement<T>>,
+    );
+}
+
+impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Measure<T> for Follower<T, GROUPS, KNOTS> {
+    fn measure(
+        &mut self,
+        hinge: u32,
+        membership: Membership,
+        measurement: impl Into<Measurement<T>>,
+    ) {
+        let measurement = measurement.into();
+        let member = [membership].into_iter();
+        self.drive_from(hinge, member, |_, _, _| Some(measurement));
+    }
+}

@@ -16,6 +16,7 @@ use foldpath_core::follower::State;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::key::Key;
 use foldpath_firmware_sim::faults::Faults;
+use foldpath_test_support::curve;
 use foldpath_tests::Planned;
 
 #[path = "../../../host/cli/tests/it/session.rs"]
@@ -55,7 +56,7 @@ fn session(
     let file = TrajectoryFile::read(bytes).unwrap();
     for told in heard.iter().filter(|told| !told.angles.is_empty()) {
         let knot = told.place.knot as usize;
-        let at = |group| match file.curve(knot, group) {
+        let at = |group| match curve(&file, knot, group) {
             Some(curve) if told.place.into > 0.0 => {
                 let span = file.time(knot + 1).unwrap() - file.time(knot).unwrap();
                 curve.angle(told.place.into / span)

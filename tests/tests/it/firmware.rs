@@ -3,9 +3,10 @@
 
 use std::fs;
 
-use foldpath_firmware_sim::probe;
-
 use crate::image::{IMAGES, board_output, build, image, symbols};
+
+#[path = "../../../firmware-sim/examples/probe/probe.rs"]
+mod probe;
 
 fn host_output() -> String {
     let mut output = String::new();

@@ -18,7 +18,6 @@
 )]
 
 use core::cell::RefCell;
-use core::convert::Infallible;
 
 use cortex_m::peripheral::SCB;
 use embassy_executor::Spawner;
@@ -40,10 +39,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Ticker, with_timeout};
-use embedded_io::{ErrorType, ReadReady, WriteReady};
 use embedded_io_async::{Read, Write};
 use foldpath_controller::retained::{self, Records};
-use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_controller::{Application, Board, Condition, Fifo, Line, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_port_embassy_stm32f4::packets::{self, Answer, POSITION};
@@ -51,7 +49,8 @@ use foldpath_port_embassy_stm32f4::{
     ANSWER, BAUD, GROUPS, HINGES, KNOTS, LIMITS, SPOKES, Servos, servo,
 };
 
-type Controller<'a> = Application<Discovery<'a>, Line<'a>, GROUPS, HINGES, SPOKES, KNOTS>;
+type Controller<'a> =
+    Application<Discovery<'a>, Line<'a, 512, 256, &'a dyn Fn()>, GROUPS, HINGES, SPOKES, KNOTS>;
 
 /// Microseconds between two rounds of the controller, in which 12 bytes come.
 const ROUND: u64 = 250;
@@ -77,47 +76,6 @@ struct Queues {
     outgoing: Fifo<256>,
     /// There are bytes for the host.
     filled: Event,
-}
-
-/// The controller's end of the line.
-struct Line<'a>(&'a Queues);
-
-impl ErrorType for Line<'_> {
-    type Error = Infallible;
-}
-
-impl ReadReady for Line<'_> {
-    fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.0.incoming.is_empty())
-    }
-}
-
-impl embedded_io::Read for Line<'_> {
-    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
-        let places = bytes
-            .iter_mut()
-            .zip(core::iter::from_fn(|| self.0.incoming.take()));
-        Ok(places.map(|(place, byte)| *place = byte).count())
-    }
-}
-
-impl WriteReady for Line<'_> {
-    fn write_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.0.outgoing.is_full())
-    }
-}
-
-impl embedded_io::Write for Line<'_> {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        let queue = &self.0.outgoing;
-        let count = bytes.iter().take_while(|byte| queue.add(**byte)).count();
-        self.0.filled.signal(());
-        Ok(count)
-    }
-
-    fn flush(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
 }
 
 /// Moves bytes from the host into their queue. A byte without room is lost, and its frame is sent again.
@@ -335,12 +293,18 @@ async fn main(_spawner: Spawner) {
         watchdog,
         held,
     };
+    let wake = || queues.filled.signal(());
+    let line = Line {
+        incoming: &queues.incoming,
+        outgoing: &queues.outgoing,
+        wake: &wake as &dyn Fn(),
+    };
     let settings = Settings::new(nonce, |_| LIMITS);
     join4(
         receive(receiver, &queues),
         send(transmitter, &queues),
         serve(bus, &shared),
-        control(Application::new(board, Line(&queues), settings)),
+        control(Application::new(board, line, settings)),
     )
     .await;
 }

@@ -162,23 +162,17 @@ impl Board for Nucleo {
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // The read waits for the conversion, which takes 5 microseconds.
+        macro_rules! turn {
+            ($servo:tt) => {{
+                command.inspect(|angle| servos.$servo.set_duty(pulse(*angle)));
+                converter.convert(&pots.$servo, time)
+            }};
+        }
         let reading = match hinge {
-            0 => {
-                command.inspect(|angle| servos.0.set_duty(pulse(*angle)));
-                converter.convert(&pots.0, time)
-            }
-            1 => {
-                command.inspect(|angle| servos.1.set_duty(pulse(*angle)));
-                converter.convert(&pots.1, time)
-            }
-            2 => {
-                command.inspect(|angle| servos.2.set_duty(pulse(*angle)));
-                converter.convert(&pots.2, time)
-            }
-            3 => {
-                command.inspect(|angle| servos.3.set_duty(pulse(*angle)));
-                converter.convert(&pots.3, time)
-            }
+            0 => turn!(0),
+            1 => turn!(1),
+            2 => turn!(2),
+            3 => turn!(3),
             _ => return None,
         };
         Some(angle(reading).into())

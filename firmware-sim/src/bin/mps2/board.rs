@@ -8,7 +8,6 @@
     reason = "registers, and RAM that a reset leaves as it is, are reached by address"
 )]
 
-use core::convert::Infallible;
 use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,10 +15,9 @@ use cortex_m::asm;
 use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained::{self, Records};
 use foldpath_controller::stored;
-use foldpath_controller::{Application, Board, Condition, Fifo, Settings};
+use foldpath_controller::{Application, Board, Condition, Fifo, Line, Settings};
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::{GroupLimits, Membership};
@@ -27,7 +25,9 @@ use foldpath_firmware_sim::plant::Plant;
 
 use crate::sizes::{GROUPS, HINGES, KNOTS, Protection, SPOKES};
 
-type Controller = Application<Mps2, Line, GROUPS, HINGES, SPOKES, KNOTS, Protection>;
+/// The controller with its line to the host: queues that interrupts fill and empty.
+type Controller =
+    Application<Mps2, Line<'static, 256, 64, fn()>, GROUPS, HINGES, SPOKES, KNOTS, Protection>;
 
 /// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
 const NONCE: usize = 0x2030_0000;
@@ -139,50 +139,6 @@ impl Uart {
 
     fn acknowledge(self, interrupts: u32) {
         write(self.0 + Self::INTERRUPTS, interrupts);
-    }
-}
-
-/// The line to the host: queues that its interrupts fill and empty.
-struct Line;
-
-impl ErrorType for Line {
-    type Error = Infallible;
-}
-
-impl ReadReady for Line {
-    fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!INCOMING.is_empty())
-    }
-}
-
-impl Read for Line {
-    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
-        let mut count = 0;
-        for place in bytes {
-            let Some(byte) = INCOMING.take() else { break };
-            *place = byte;
-            count += 1;
-        }
-        Ok(count)
-    }
-}
-
-impl WriteReady for Line {
-    fn write_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!OUTGOING.is_full())
-    }
-}
-
-impl Write for Line {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        let count = bytes.iter().take_while(|byte| OUTGOING.add(**byte)).count();
-        // Only the interrupt takes bytes from the queue, so set it pending.
-        write(NVIC_PEND, 1 << SENT);
-        Ok(count)
-    }
-
-    fn flush(&mut self) -> Result<(), Infallible> {
-        Ok(())
     }
 }
 
@@ -307,7 +263,13 @@ fn main() -> ! {
         pairs: true,
         ..Settings::new(nonce, |_| LIMITS)
     };
-    *MEMORY = Memory::Some(Application::new(Mps2::default(), Line, settings));
+    let line = Line {
+        incoming: &INCOMING,
+        outgoing: &OUTGOING,
+        // Only the interrupt takes bytes from the queue, so set it pending.
+        wake: (|| write(NVIC_PEND, 1 << SENT)) as fn(),
+    };
+    *MEMORY = Memory::Some(Application::new(Mps2::default(), line, settings));
     // The lines come last: while nothing ticks, QEMU may leave received bytes lying for a second.
     HOST.enable();
     STOP.enable();

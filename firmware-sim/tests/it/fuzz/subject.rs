@@ -8,7 +8,9 @@ use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::frame as wire;
 use foldpath_core::wire::message::{ItemRefusal, Report, ToHost};
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::{GroupLimits, Interpolation};
+use foldpath_test_support::Measure as _;
 
 use super::stream::{Frame, Message, Sent, Stream};
 use crate::path::{BOARD, CLOSURE, Device, Path, settings};
@@ -82,7 +84,7 @@ fn bits(place: FollowerPosition<f32>) -> (u32, u32) {
 impl<'a> Subject<'a> {
     pub(crate) fn new(path: &'a Path) -> Self {
         Self {
-            device: Device::new(settings(1)),
+            device: Device::protected(settings(1), Unkeyed),
             now: 1000,
             session: 0,
             report: None,
@@ -563,7 +565,7 @@ impl<'a> Subject<'a> {
     pub(crate) fn reset(&mut self) {
         let record = self.device.record(self.boots, self.boots);
         self.boots += 1;
-        self.device = Device::new(settings(u64::from(self.boots) << 40));
+        self.device = Device::protected(settings(u64::from(self.boots) << 40), Unkeyed);
         self.device.restore(&record, true);
         (self.answers, self.items) = (Deframer::default(), Stream::default());
         self.enter(0);

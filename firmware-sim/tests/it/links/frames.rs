@@ -1,11 +1,11 @@
 //! Attacks with frames: nothing is taken, and neither end changes in any way.
 
-use foldpath_core::follower::{FollowerPosition, Reason, State};
+use foldpath_core::follower::FollowerPosition;
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::key::Key;
-use foldpath_core::wire::message::{Command, Item, ToDevice, ToHost};
-use foldpath_core::wire::protection::Keyed;
-use foldpath_core::wire::receiver::{Event, Identity, Receiver, Status};
+use foldpath_core::wire::message::{Command, Item, Report, ToDevice, ToHost};
+use foldpath_core::wire::protection::{Keyed, Unkeyed};
+use foldpath_core::wire::receiver::{Event, Identity, Receiver};
 use foldpath_core::wire::sender::{Options, Sender, Source};
 use rand_core::Rng;
 
@@ -87,18 +87,13 @@ impl Line {
     }
 
     fn answered(&mut self) -> Option<Vec<u8>> {
-        let status = Status {
-            state: State::Idle,
-            reason: Reason::None,
-            place: FollowerPosition::default(),
-            path: 0,
+        let status = Report {
             known: true,
-            stopped: false,
-            room: 5,
+            ..Report::default()
         };
         let mut buffer = [0; 128];
         self.receiver.clock(self.now);
-        let frame = self.receiver.poll(&status, &mut buffer)?.to_vec();
+        let frame = self.receiver.poll(&status, 5, &mut buffer)?.to_vec();
         self.receiver.sent();
         Some(frame)
     }
@@ -330,7 +325,7 @@ fn a_wrong_key_does_nothing() {
     let hello = line.said().unwrap();
     line.refuses(&hello);
     // A host with a key does not listen to a controller without one.
-    let mut unkeyed = Receiver::new(Identity::default());
+    let mut unkeyed = Receiver::protected(Identity::default(), Unkeyed);
     line.sender = host(6, 9);
     assert_eq!(unkeyed.receive(&line.said().unwrap(), 5), None);
 }

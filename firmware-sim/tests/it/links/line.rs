@@ -4,7 +4,7 @@ use foldpath_controller::Controller;
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::key::Key;
-use foldpath_core::wire::protection::{Keyed, Protection};
+use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::sender::{Failure, Phase};
 use foldpath_firmware_sim::faults::Faults;
 
@@ -61,7 +61,7 @@ fn nobody_answers_without_the_key() {
     let path = Path::miura();
     stays(&path, Host::new(&path, 5), device(1));
     stays(&path, with_key(Host::new(&path, 5), OTHER, 9), device(1));
-    let unkeyed: Device = Device::new(settings(1));
+    let unkeyed: Device = Device::protected(settings(1), Unkeyed);
     stays(&path, with_key(Host::new(&path, 5), KEY, 9), unkeyed);
 }
 

@@ -486,7 +486,6 @@ fn errors_of_the_libraries() {
         TrajectoryError::NotFinite(3),
         TrajectoryError::HalfTurn(3),
         TrajectoryError::Weight(3),
-        TrajectoryError::Capacity(3),
     ];
     let others = [
         Traj::Magic,

@@ -18,17 +18,18 @@ use foldpath::stream::{
 use foldpath_controller::{Controller, Settings};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, Reason, State};
-use foldpath_core::trajectory::{Trajectory, TrajectoryView};
+use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::{TrajectoryFile, write};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Spoke, StarView, StarsView,
     local_foldability_matrix,
 };
 use foldpath_firmware_sim::faults::Faults;
-use foldpath_test_support::Folder;
+use foldpath_test_support::{Folder, curve};
 use serde_json::Value;
 
 /// Makes a folder with `path.traj` of a Miura fold of 24 x 24 faces.
@@ -115,15 +116,13 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
 /// Returns the angles at a place on the trajectory that the file holds.
 fn at(bytes: &[u8], place: FollowerPosition<f32>) -> Vec<f32> {
     let file = TrajectoryFile::read(bytes).unwrap();
-    let stored: Trajectory<f32, 64, 128> = file.trajectory().unwrap();
     let knot = place.knot as usize;
     let span = file
         .time(knot + 1)
         .map(|next| next - file.time(knot).unwrap());
     let angle = |group| match span {
         Some(span) if place.into > 0.0 => {
-            let curve = stored.view().curve(knot, group).unwrap();
-            curve.angle(place.into / span)
+            curve(&file, knot, group).unwrap().angle(place.into / span)
         }
         _ => file.node(knot, group).unwrap().angle,
     };
@@ -644,7 +643,7 @@ fn flat() -> Device {
         speed: 20.0,
         acceleration: f32::INFINITY,
     };
-    let mut device = Device::new(Settings::new(1, limits));
+    let mut device = Device::protected(Settings::new(1, limits), Unkeyed);
     let place = FollowerPosition::default();
     device
         .follower_mut()

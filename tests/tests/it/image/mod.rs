@@ -15,8 +15,17 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Seconds after which `timeout` ends the emulator, even if this process is gone.
 pub(crate) const TIME_LIMIT: &str = "60";
 
-/// Name of the image that computes and prints.
-pub(crate) const PROBE: &str = "foldpath-firmware-sim";
+/// Name of the image that computes and prints, an example.
+pub(crate) const PROBE: &str = "examples/probe";
+
+/// Arguments of cargo for all images of the simulated controller.
+const SIMULATED: [&str; 5] = [
+    "--package",
+    "foldpath-firmware-sim",
+    "--bins",
+    "--example",
+    "probe",
+];
 
 /// Builds the image of this name as for a real board, and returns its path.
 pub(crate) fn image(name: &str) -> PathBuf {
@@ -26,7 +35,7 @@ pub(crate) fn image(name: &str) -> PathBuf {
 /// Builds the images for size, and returns their folder.
 pub(crate) fn for_size() -> PathBuf {
     let settings = [("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "s")];
-    let small = ["--package", "foldpath-firmware-sim", "--features", "small"];
+    let small = [&SIMULATED[..], &["--features", "small"]].concat();
     build_package(&small, "fw-size", &settings)
 }
 
@@ -39,7 +48,7 @@ pub(crate) fn port(package: &str) -> PathBuf {
 
 /// Builds the images with `settings` in the environment, and returns their folder.
 pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
-    build_package(&["--package", "foldpath-firmware-sim"], directory, settings)
+    build_package(&SIMULATED, directory, settings)
 }
 
 /// Builds the images of the package that the arguments name. The target directory is another one, because the outer cargo

@@ -1,4 +1,4 @@
-//! Hands the linker the board's memory map, for the image only.
+//! Hands the linker the memory map of a board, for the image only: of each port, in whose folder this runs.
 
 use std::path::PathBuf;
 use std::{env, fs};

@@ -5,6 +5,10 @@
 
 #[cfg(target_os = "none")]
 mod board;
+#[cfg(target_os = "none")]
+mod figures;
+#[cfg(target_os = "none")]
+mod probe;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

@@ -9,7 +9,8 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hio};
-use foldpath_firmware_sim::{figures, probe};
+
+use crate::{figures, probe};
 
 /// The handler of interrupt 0. The probe enables no interrupt, so that the table ends here.
 // SAFETY: this section is the one for the addresses of interrupt handlers.
@@ -53,7 +54,7 @@ fn instructions() -> impl FnMut() -> u32 {
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     if let Ok(mut out) = hio::hstdout() {
-        let _ = out.write_str("foldpath-firmware-sim panicked\n");
+        let _ = out.write_str("the probe panicked\n");
     }
     exit(debug::EXIT_FAILURE)
 }

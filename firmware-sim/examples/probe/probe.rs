@@ -8,24 +8,26 @@ use core::fmt::Write;
 use foldpath_core::follower::{FollowerPosition, State};
 use foldpath_core::least_squares::{ClosureProblem, Limits, Options, Outcome, Report};
 use foldpath_core::project::{Projection, means, project};
-use foldpath_core::trajectory::{Knot, Trajectory, TrajectoryView};
+use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::message::Command;
 use foldpath_core::wire::path::PathItems;
+use foldpath_core::wire::protection::Unkeyed;
 use foldpath_core::wire::sender::{self, Sender};
 use foldpath_core::{
     DenseNormalEquations, GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Objective,
     Scalar, Spoke, StarsView, gradient, levenberg_marquardt,
 };
+use heapless::Vec;
 use nalgebra::Vector3;
 
 use foldpath_controller::{Controller, FRAME, Settings};
 
 /// Number of steps of a walk.
-pub const STEPS: u16 = 25;
+pub(crate) const STEPS: u16 = 25;
 /// Turn of the first group in a step, 4 degrees in radians, and duration of a step, seconds: the group turns at 1
 /// rad/s.
-pub const STEP: f32 = core::f32::consts::PI / 45.0;
+pub(crate) const STEP: f32 = core::f32::consts::PI / 45.0;
 
 /// Number of samples in a step.
 const SAMPLES: u16 = 4;
@@ -51,11 +53,27 @@ const OFF: f32 = 0.02;
 /// Number of ticks after which a controller should have reached the end of the path.
 const MOST_TICKS: u32 = 10_000;
 
-pub(crate) type Path = Trajectory<f32, KNOTS, { KNOTS * GROUPS }>;
+/// The knots of a walk, with the angles and rates of their groups.
+#[derive(Default)]
+pub(crate) struct Path {
+    groups: usize,
+    times: Vec<f32, KNOTS>,
+    angles: Vec<f32, { KNOTS * GROUPS }>,
+    rates: Vec<f32, { KNOTS * GROUPS }>,
+}
+
+impl Path {
+    pub(crate) fn view(&self) -> Result<TrajectoryView<'_, f32>, Failure> {
+        let (times, angles, rates) = (&self.times, &self.angles, &self.rates);
+        let kind = Interpolation::Hermite;
+        let view = TrajectoryView::new(kind, self.groups, times, angles, rates, &[]);
+        view.map_err(|_| Failure::Knot)
+    }
+}
 
 /// Reason why the probe stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure {
+pub(crate) enum Failure {
     /// A fold is ill-formed or larger than the memory for it.
     Size,
     /// The solver did not close a configuration.
@@ -138,17 +156,16 @@ pub(crate) const fn spoke(group: u32, direction: [f32; 2]) -> Spoke<f32> {
 /// - `project`: the numbers of `solve` for angles measured with an error, with the largest change before the angles;
 /// - `tick`: the angles and rates commanded by a controller to which the path is sent, at every 16th tick.
 ///
-/// # Errors
-/// If a configuration does not close, or the output fails.
+/// Fails if a configuration does not close, or the output fails.
 // Not inlined, so that its stack is free for whatever runs behind it.
 #[inline(never)]
-pub fn run(out: &mut impl Write) -> Result<(), Failure> {
+pub(crate) fn run(out: &mut impl Write) -> Result<(), Failure> {
     for fold in [MIURA, WATERBOMB] {
         let stars = StarsView::new(fold.spokes, fold.ends, fold.rates.len());
         let stars = stars.ok_or(Failure::Size)?;
         let path = follow(&fold, stars, out)?;
-        play(&fold, stars, path.view(), out)?;
-        stream(&fold, stars, path.view(), out)?;
+        play(&fold, stars, path.view()?, out)?;
+        stream(&fold, stars, path.view()?, out)?;
     }
     Ok(())
 }
@@ -177,10 +194,10 @@ pub(crate) fn follow(
     let mut workspace = [0.0; 3 * GROUPS];
     let (limits, options) = (Limits::HalfTurn, Options::default());
 
-    let mut path = Path::new(
-        Interpolation::Hermite,
-        u16::try_from(n).map_err(|_| Failure::Size)?,
-    );
+    let mut path = Path {
+        groups: n,
+        ..Path::default()
+    };
     for step in 0..=STEPS {
         if step > 0 {
             for (angle, rate) in angles.iter_mut().zip(&*rates) {
@@ -211,13 +228,13 @@ pub(crate) fn follow(
             }
         }
         line(out, fold, "knot", bits(angles).chain(bits(rates)))?;
-        let knot = Knot {
-            time: f32::from(step) * STEP,
-            angles,
-            rates,
-            weights: &[],
-        };
-        path.push(knot).map_err(|_| Failure::Knot)?;
+        let time = path.times.push(f32::from(step) * STEP);
+        let nodes = path
+            .angles
+            .extend_from_slice(angles)
+            .and(path.rates.extend_from_slice(rates));
+        time.map_err(|_| Failure::Knot)
+            .and(nodes.map_err(|_| Failure::Knot))?;
     }
     Ok(path)
 }
@@ -257,7 +274,7 @@ fn stream(
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
     let mut answers = Deframer::<{ FRAME }>::default();
-    let mut device = Controller::<GROUPS, 1, 16, 8>::new(Settings::new(1, |_| ANY));
+    let mut device = Controller::<GROUPS, 1, 16, 8>::protected(Settings::new(1, |_| ANY), Unkeyed);
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut now, mut told) = (0, false);
     for tick in 0_u32.. {

@@ -15,7 +15,7 @@ use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::sender::{Options, Sender};
 use foldpath_core::{
-    DualNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
+    DenseNormalEquations, GroupId, HalfAngle, Membership, Scalar, Spoke, StarView, StarsView,
     closure,
 };
 use nalgebra::Vector3;
@@ -57,10 +57,8 @@ impl<C: FnMut() -> u32> Meter<C> {
 }
 
 /// Prints the figures, one on each line: `cost`, the name of the work, and the counts.
-///
-/// # Errors
-/// If a configuration does not close, a path does not run, or the output fails.
-pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failure> {
+/// Fails if a configuration does not close, a path does not run, or the output fails.
+pub(crate) fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failure> {
     let mut meter = Meter::new(count);
     let mut tell = |what: &str, cost: u32| {
         let line = writeln!(out, "cost {what} {cost}");
@@ -76,7 +74,7 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         (64, "tick-of-64-hinges"),
         (HINGES, "tick-of-1104-hinges"),
     ] {
-        let costs = stream::<Unkeyed>(&mut meter, stars, path.view(), hinges, None)?;
+        let costs = stream::<Unkeyed>(&mut meter, stars, path.view()?, hinges, None)?;
         let [tick, record, setpoint] = costs;
         tell(what, tick)?;
         if hinges == HINGES {
@@ -87,7 +85,7 @@ pub fn run(out: &mut impl Write, count: impl FnMut() -> u32) -> Result<(), Failu
         }
     }
     let key = Key::new([0x5a; Key::SIZE]);
-    let keyed = stream::<Keyed>(&mut meter, stars, path.view(), HINGES, Some(key));
+    let keyed = stream::<Keyed>(&mut meter, stars, path.view()?, HINGES, Some(key));
     let [_, _, setpoint] = keyed?;
     tell("setpoint-with-a-key-from-its-frame-to-the-answer", setpoint)?;
     let bytes = [0x5a; 256];
@@ -137,8 +135,8 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     let (mut half_angles, mut columns) = ([HalfAngle::default(); 6], [Vector3::default(); 6]);
     let problem = ClosureProblem::new(stars, &mut half_angles, &mut columns);
     let mut problem = problem.ok_or(Failure::Size)?;
-    let (mut rows, mut gradient) = ([[0.0; 3]; 6], [0.0; 6]);
-    let equations = DualNormalEquations::new(6, &mut rows, &mut gradient);
+    let mut memory = [0.0; DenseNormalEquations::<f32>::memory(6)];
+    let equations = DenseNormalEquations::new(6, &mut memory);
     let mut equations = equations.ok_or(Failure::Size)?;
     // The closed form of this vertex, perturbed a little.
     let (m, d) = (0.8, -1.077);
