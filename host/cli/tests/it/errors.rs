@@ -8,7 +8,6 @@ use crate::common::{folder, folder_with_path, pattern};
 use foldpath::export::Format;
 use foldpath::generate::Kresling;
 use foldpath::pattern::PatternError;
-use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, PlanOptions};
 use foldpath::read::FileError;
 use foldpath::request::{ExportRequest, PlanRequest, Request};
@@ -470,16 +469,6 @@ fn errors_of_the_libraries() {
         },
         ShapeError::NoLength { ends: [1, 2] },
         ShapeError::Pattern("vertex 3: expected finite coordinates".into()),
-    ] {
-        said += &format!("{error}\n");
-    }
-    for error in [
-        TimingError::Shape,
-        TimingError::NotFinite(3),
-        TimingError::Order(3),
-        TimingError::Limit(1),
-        TimingError::NoMotion,
-        TimingError::Coarse(3),
     ] {
         said += &format!("{error}\n");
     }

@@ -202,10 +202,8 @@ pub(crate) fn place(
 fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
     let groups = constraints.limits.len();
     let parts = (MAX_GRID_ANGLES / groups.max(1)).clamp(1, MAX_INTERVALS);
-    match path.fastest(parts, constraints.speed, constraints.acceleration) {
-        Ok(law) => TimeLaw::Optimal(law),
-        Err(_) => TimeLaw::ArcLength,
-    }
+    let law = path.fastest(parts, constraints.speed, constraints.acceleration);
+    law.map_or(TimeLaw::ArcLength, TimeLaw::Optimal)
 }
 
 /// Returns the time laws with which an interpolation may need few knots.
