@@ -308,7 +308,7 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan)
         return None;
     }
     let waypoints = straight(reduction, &goal, options);
-    let mut judge = Judge::new(problem, reduction, false);
+    let judge = Judge::new(problem, reduction, false);
     let (essential, _) = judge.essential(waypoints.iter().map(|w| w.angles.as_slice()));
     if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
         return None;
