@@ -129,7 +129,7 @@ impl BranchSwitcher<'_> {
                 *x = start.clamp(lower, upper);
             }
             limits[largest] = (x[largest], x[largest]);
-            self.held.set_limits(limits);
+            self.held.limits = limits;
             self.held.closes(x) && self.is_good(x, &start)
         })
     }

@@ -167,7 +167,7 @@ impl<'a> Reduction<'a> {
             &self.structure,
             self.watch,
         );
-        solver.set_limits(self.limits.clone());
+        solver.limits.clone_from(&self.limits);
         solver
     }
 
@@ -357,7 +357,7 @@ impl<'a> Reduction<'a> {
     ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
         let mut solver = self.solver(options, closure_tolerance);
-        solver.set_limits(limits);
+        solver.limits = limits;
         let found = nearest_closed(&mut solver, &asked, &signs);
         let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
         let closed = found.filter(closes).map(|angles| ClosedGoal {

@@ -265,7 +265,7 @@ impl Lifting<'_> {
         let (_, signs) = reduction.asked(self.problem.goal);
         let limits = reduction.orthant(&signs);
         let mut solver = reduction.solver(options, self.candidate.closure_tolerance);
-        solver.set_limits(limits.clone());
+        solver.limits.clone_from(&limits);
         let constraints = PlacementConstraints {
             stars,
             closure,

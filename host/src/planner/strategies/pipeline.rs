@@ -57,21 +57,16 @@ fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<
         mut route,
         symmetric,
         asked_closure,
-        notes,
-        symmetry,
-        following,
-        work,
     } = select_route(problem)?;
     let mut plan = Plan {
-        iterations: work.iterations,
-        evaluations: work.evaluations,
-        notes,
+        iterations: route.work.iterations,
+        evaluations: route.work.evaluations,
+        notes: core::mem::take(&mut route.notes),
+        is_random: route.is_random,
         ..Plan::default()
     };
-    plan.times.symmetry = symmetry;
-    plan.times.solve = following;
-    plan.notes.append(&mut route.notes);
-    plan.is_random = route.is_random;
+    plan.times.symmetry = route.symmetry;
+    plan.times.solve = route.following;
     describe(problem, &route.reduction, &mut plan);
     if let Some(last) = route.waypoints.last() {
         plan.goal_error = route.reduction.distance(&last.angles, problem.goal);

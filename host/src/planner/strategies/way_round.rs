@@ -106,7 +106,7 @@ fn moved_apart(
     };
     let mut solver = reduction.solver(options, 0.0);
     let (_, signs) = reduction.asked(problem.goal);
-    solver.set_limits(reduction.orthant(&signs));
+    solver.limits = reduction.orthant(&signs);
     let along = reduction.groups.reduce_all(along);
     for _ in 0..MAX_MOVES {
         // For each pair that is too near, how much it lacks and the gradient of its distance.
