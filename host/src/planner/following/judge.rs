@@ -39,16 +39,16 @@ impl<'a> Judge<'a> {
 
     /// Folds the sheet at a knot, stores the measured errors in the knot, and returns the deepest crossing.
     pub(crate) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
-        self.place(&knot.angles);
+        let angles = &knot.stored.angles;
+        self.place(angles);
         let rigidity = self.map.rigidity(self.pattern, &self.reduction.tree);
-        knot.closure = self
-            .reduction
-            .closure_of_sheet(&knot.angles)
-            .max(rigidity.twist);
-        knot.deformation = rigidity.deformation;
-        knot.gap = rigidity.gap;
+        let closure = self.reduction.closure_of_sheet(angles);
+        knot.set_errors(Rigidity {
+            twist: closure.max(rigidity.twist),
+            ..rigidity
+        });
         if self.keep_vertices {
-            knot.vertices = self.map.vertices().to_vec();
+            knot.stored.vertices = self.map.vertices().to_vec();
         }
         self.crossing()
     }
@@ -108,12 +108,12 @@ impl<'a> Judge<'a> {
         let mut scene = part.as_ref().map(|part| CollisionScene::new(&part.pattern));
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
-                part.fold(self.reduction, &knot.angles);
+                part.fold(self.reduction, &knot.stored.angles);
                 scene.deepest_crossing(&part.map, self.contact)?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);
-            Some((index, self.crossing_at(&knot.angles)?))
+            Some((index, self.crossing_at(&knot.stored.angles)?))
         })
     }
 }

@@ -580,12 +580,10 @@ impl<'a> RouteFinder<'a> {
             None => self.asked.clone(),
         };
         let feasible = &mut |angles: &[f64]| {
-            let mut knot = Knot {
-                angles: angles.to_vec(),
-                ..Knot::default()
-            };
+            let mut knot = Knot::at(angles.to_vec());
             let crossing = judge.judge(&mut knot);
-            crossing.is_none() && knot.deformation <= options.bound && knot.gap <= options.bound
+            let errors = knot.errors();
+            crossing.is_none() && errors.deformation <= options.bound && errors.gap <= options.bound
         };
         let followed = search(
             &mut solver,

@@ -34,17 +34,13 @@ pub(crate) struct MeasuredMotion {
 impl MeasuredMotion {
     /// Returns the largest errors over all knots; the closure residual takes the place of the twist.
     pub(crate) fn worst(&self) -> Rigidity {
-        let errors = self.knots.iter().map(|knot| Rigidity {
-            deformation: knot.deformation,
-            gap: knot.gap,
-            twist: knot.closure,
-        });
+        let errors = self.knots.iter().map(Knot::errors);
         errors.fold(Rigidity::default(), Rigidity::worse)
     }
 
     /// Returns the largest closure residual over all knots, or `before` if that is larger.
     pub(crate) fn max_closure(&self, before: f64) -> f64 {
-        let closure = self.knots.iter().map(|knot| knot.closure);
+        let closure = self.knots.iter().map(|knot| knot.errors().twist);
         closure.fold(before, f64::max)
     }
 }
@@ -61,11 +57,15 @@ pub(crate) fn torn(bound: f64, plan: &Plan, certificate: Option<Certificate>) ->
             kept: 0.0,
         });
     }
-    let holds = |knot: &&Knot| within([knot.deformation, knot.gap, knot.closure]);
+    let holds = |knot: &&Knot| {
+        let errors = knot.errors();
+        within([errors.deformation, errors.gap, errors.twist])
+    };
     let knots = &plan.path.knots;
     let good = knots.iter().take_while(holds).last();
-    let kept = match (good, knots.last()) {
-        (Some(good), Some(last)) if last.time > 0.0 => good.time / last.time,
+    let [good, last] = [good, knots.last()].map(|knot| knot.map(|knot| knot.stored.time));
+    let kept = match (good, last) {
+        (Some(good), Some(last)) if last > 0.0 => good / last,
         (Some(_), Some(_)) => 0.0,
         _ => 1.0,
     };
@@ -108,7 +108,7 @@ impl Lifting<'_> {
         let knots: Vec<Knot> = measured.into_iter().map_while(|knot| knot).collect();
         let late = (knots.len() < count).then_some(knots.len());
         let essential = late.is_none().then(|| {
-            let angles = knots.iter().map(|knot| knot.angles.as_slice());
+            let angles = knots.iter().map(|knot| knot.stored.angles.as_slice());
             judge().essential(angles)
         });
         MeasuredMotion {

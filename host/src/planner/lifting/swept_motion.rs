@@ -53,7 +53,7 @@ impl<'a> Lifting<'a> {
     pub(crate) fn tears_hide_contact(&self, plan: &Plan) -> bool {
         let (pattern, tree) = (self.problem.pattern, &self.reduction.tree);
         let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
-        let angles = plan.path.knots.iter().flat_map(|knot| &knot.angles);
+        let angles = plan.path.knots.iter().flat_map(|knot| &knot.stored.angles);
         let touches = angles.copied().any(|angle| angle.abs() >= flat);
         let holonomy = tree.holonomy(pattern).filter(|_| touches);
         let (Some(holonomy), Some(closure)) = (holonomy, plan.certified_closure) else {
@@ -92,13 +92,14 @@ impl<'a> Lifting<'a> {
         let mut judge = Judge::new(self.problem, self.reduction, true);
         let knots = &plan.path.knots;
         // A flat sheet has no crossings, as its faces lie beside each other.
-        let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
+        let turned =
+            |(_, knot): &(usize, &Knot)| knot.stored.angles.iter().any(|&angle| angle != 0.0);
         let mut turned = knots.iter().enumerate().filter(turned);
         let end = turned.find_map(|(index, knot)| {
             if self.problem.is_late() {
                 return Some((index, None));
             }
-            Some((index, Some(judge.crossing_at(&knot.angles)?)))
+            Some((index, Some(judge.crossing_at(&knot.stored.angles)?)))
         });
         plan.times.collision += start.elapsed();
         plan.collision = judge.counts();
@@ -113,10 +114,10 @@ impl<'a> Lifting<'a> {
                 return plan;
             }
         };
-        let last = knots.last().map_or(1.0, |last| last.time);
+        let last = knots.last().map_or(1.0, |last| last.stored.time);
         let before = index
             .checked_sub(1)
-            .map_or(0.0, |before| knots[before].time);
+            .map_or(0.0, |before| knots[before].stored.time);
         let failure = Failure {
             outcome: Outcome::Crossing(crossing),
             reason: Reason::CrossesAtKnot {

@@ -78,7 +78,7 @@ pub(crate) fn lift(
     {
         certificate = Some(lifting.certify(&reduction.all, &knots));
         store_certificate(&mut plan, certificate);
-        let end = knots.knots.last().map_or(&[][..], |end| &end.angles);
+        let end = knots.knots.last().map_or(&[][..], |end| &end.stored.angles);
         plan.goal_error = reduction.distance(end, problem.goal);
         plan.reached *= path.fraction(end);
         proof_stops = Some(Reason::ProofStops {
@@ -142,7 +142,7 @@ fn store_motion(plan: &mut Plan, motion: MeasuredMotion) {
 }
 
 /// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)
-/// requires. The errors of the sheet are NaN: they are not measured.
+/// requires. The errors of the sheet are not measured.
 fn unmeasured(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
     let mut time = 0.0;
     let mut before: Option<&[f64]> = None;
@@ -150,16 +150,11 @@ fn unmeasured(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
         let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
         time += turned / max_speed;
         before = Some(&waypoint.angles);
-        Knot {
-            time,
-            rates: vec![0.0; waypoint.angles.len()],
-            angles: waypoint.angles.clone(),
-            ends_phase: waypoint.ends_phase,
-            deformation: f64::NAN,
-            gap: f64::NAN,
-            closure: f64::NAN,
-            ..Knot::default()
-        }
+        let mut knot = Knot::at(waypoint.angles.clone());
+        knot.stored.time = time;
+        knot.stored.rates = vec![0.0; waypoint.angles.len()];
+        knot.ends_phase = waypoint.ends_phase;
+        knot
     });
     knots.collect()
 }
@@ -308,7 +303,7 @@ impl Lifting<'_> {
                 let crossed = Crossed {
                     crossing,
                     segment: before.unwrap_or(0),
-                    free: before.map(|before| plan.path.knots[before].angles.clone()),
+                    free: before.map(|before| plan.path.knots[before].stored.angles.clone()),
                 };
                 let retreated = candidate.retreats.then(|| self.retreated(&plan, &crossed));
                 match retreated.flatten() {

@@ -117,7 +117,7 @@ impl KnotSequence {
 
     /// Returns the seconds from the first knot to the last.
     fn duration(&self) -> f64 {
-        self.knots.last().map_or(0.0, |last| last.time)
+        self.knots.last().map_or(0.0, |last| last.stored.time)
     }
 }
 
@@ -272,13 +272,11 @@ impl KnotPlacer<'_, '_> {
             .arc_lengths()
             .first()
             .map(|_| self.path.point(0))?;
+        let mut knot = Knot::at(first.angles);
+        knot.stored.rates = vec![0.0; knot.stored.angles.len()];
         Some(KnotSequence {
             interpolation: Interpolation::Hermite,
-            knots: vec![Knot {
-                rates: vec![0.0; first.angles.len()],
-                angles: first.angles,
-                ..Knot::default()
-            }],
+            knots: vec![knot],
             bounds: self.closed(),
             open: None,
         })
@@ -592,16 +590,14 @@ impl KnotPlacer<'_, '_> {
             let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
             let homogeneous = builder.kind == Interpolation::Homogeneous;
             let weights = nodes.iter().filter(|_| homogeneous);
-            Knot {
-                time: (builder.law.at(point)[0] - start) * stretch,
-                angles: point.angles.clone(),
-                rates: nodes.iter().map(|node| node.rate / stretch).collect(),
-                weights: weights
-                    .map(|node| [node.weight[0], node.weight[1] / stretch])
-                    .collect(),
-                ends_phase: point.ends_phase,
-                ..Knot::default()
-            }
+            let mut knot = Knot::at(point.angles.clone());
+            knot.stored.time = (builder.law.at(point)[0] - start) * stretch;
+            knot.stored.rates = nodes.iter().map(|node| node.rate / stretch).collect();
+            knot.stored.weights = weights
+                .map(|node| [node.weight[0], node.weight[1] / stretch])
+                .collect();
+            knot.ends_phase = point.ends_phase;
+            knot
         });
         Some(KnotSequence {
             interpolation: builder.kind,

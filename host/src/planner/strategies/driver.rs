@@ -348,10 +348,9 @@ fn with_lines_alone(
 
 /// Returns the sum of the angles by which creases are turned at the end of a path, radians.
 fn turned(plan: &Plan) -> f64 {
-    let last = plan.path.knots.last();
-    let members = plan.path.memberships.iter();
-    let turns = last.map(|last| members.map(|member| last.angles[member.group.index()].abs()));
-    turns.map_or(0.0, Iterator::sum)
+    let end = plan.path.knots.last();
+    let angles = end.map_or_else(Vec::new, |end| plan.path.crease_angles(end));
+    angles.iter().map(|angle| angle.abs()).sum()
 }
 
 /// Returns `true` if a small sheet hardly leaves flat with rigid panels.

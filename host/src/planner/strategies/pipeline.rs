@@ -211,10 +211,7 @@ fn note_moved_goal(
 
 /// Returns the crossing of faces at the goal itself, if there is one.
 fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Crossing> {
-    let mut goal = Knot {
-        angles: route.goal.clone()?,
-        ..Knot::default()
-    };
+    let mut goal = Knot::at(route.goal.clone()?);
     Judge::new(problem, &route.reduction, problem.options.collision).judge(&mut goal)
 }
 
