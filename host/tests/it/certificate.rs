@@ -459,7 +459,7 @@ fn errors_of_the_folded_sheet_are_certified() {
             let ends = [60_f64, 60.0 + degrees].map(f64::to_radians);
             let curves = sheet.curves(kind, ends, by_t);
             let closed = closure.closure(sheet.stars.view(), sheet.stars.loops(), &curves);
-            let bound = certifier.rigidity(&closed);
+            let bound = certifier.rigidity(closed);
             let (mut worst, mut all) = (Rigidity::default(), Rigidity::default());
             for sample in 0..=200 {
                 let s = f64::from(sample) / 200.0;
