@@ -118,7 +118,8 @@ impl Sheet {
             fold: 0.5,
         };
         let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
-        let t = (Waterbomb::angles(core::f64::consts::FRAC_PI_2).middle / 2.0).tan();
+        let [middle, ..] = Waterbomb::angles(core::f64::consts::FRAC_PI_2);
+        let t = (middle / 2.0).tan();
         Self::new("waterbomb", pattern, &WATERBOMB, t)
     }
 
