@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::folding::{Amplification, SpanningTree};
+use crate::folding::{SpanningTree, worst_amplification};
 use crate::pattern::{CreasePattern, EdgeId, Letter};
 use crate::planner::{Cause, Forecast, forecast};
 use crate::progress::Watch;
@@ -124,7 +124,7 @@ impl PatternInfo {
             groups: groups.len(),
             essential_vertices: stars.vertices().len(),
             closure_goal,
-            amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
+            amplification: worst_amplification(pattern, &tree),
             repairs: pattern.repairs().to_vec(),
             assumptions,
             verdict: forecast.foldability.name(),
