@@ -35,20 +35,33 @@ const PRODUCT_EPS: f64 = 3.5;
 
 /// Bounds on the closure residuals over a segment; infinite if nothing can be bounded, as for curves that are not
 /// finite.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closure<'a> {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Closure {
     /// For each star, a bound on the norm of its residual r.
-    pub stars: &'a [f64],
+    pub stars: Vec<f64>,
     /// For each loop, bounds on the norms of the residuals of its rotation and of its translation.
-    pub loops: &'a [[f64; 2]],
+    pub loops: Vec<[f64; 2]>,
 }
 
-impl Closure<'_> {
+impl Closure {
     /// Returns the largest of all bounds.
     #[must_use]
     pub fn worst(&self) -> f64 {
-        let loops = self.loops.iter().flatten();
-        self.stars.iter().chain(loops).copied().fold(0.0, f64::max)
+        self.bounds().fold(0.0, f64::max)
+    }
+
+    /// Takes in bounds over another part of the motion.
+    pub(crate) fn take_in(&mut self, others: impl IntoIterator<Item = f64>) {
+        let loops = self.loops.as_flattened_mut().iter_mut();
+        for (worst, bound) in self.stars.iter_mut().chain(loops).zip(others) {
+            *worst = worst.max(bound);
+        }
+    }
+
+    /// Returns the bounds one after the other, in the order of the conditions.
+    pub(crate) fn bounds(&self) -> impl Iterator<Item = f64> {
+        let loops = self.loops.as_flattened();
+        self.stars.iter().chain(loops).copied()
     }
 }
 
@@ -76,8 +89,7 @@ pub struct SegmentCertifier {
     samples: Vec<(HalfAngle<f64>, f64)>,
     conditions: Vec<Condition>,
     open: Vec<(u8, u32)>,
-    stars: Vec<f64>,
-    loops: Vec<[f64; 2]>,
+    bounds: Closure,
 }
 
 impl Default for SegmentCertifier {
@@ -90,8 +102,7 @@ impl Default for SegmentCertifier {
             samples: Vec::new(),
             conditions: Vec::new(),
             open: Vec::new(),
-            stars: Vec::new(),
-            loops: Vec::new(),
+            bounds: Closure::default(),
         }
     }
 }
@@ -107,11 +118,11 @@ impl SegmentCertifier {
         stars: StarsView<'_, f64>,
         loops: LoopsView<'_, f64>,
         curves: &[Curve<f64>],
-    ) -> Closure<'_> {
-        self.stars.clear();
-        self.stars.resize(stars.len(), 0.0);
-        self.loops.clear();
-        self.loops.resize(loops.len(), [0.0; 2]);
+    ) -> &Closure {
+        self.bounds.stars.clear();
+        self.bounds.stars.resize(stars.len(), 0.0);
+        self.bounds.loops.clear();
+        self.bounds.loops.resize(loops.len(), [0.0; 2]);
         self.open.clear();
         self.open.push((0, 0));
         // Largest residuals seen: of rotations, and of translations.
@@ -132,10 +143,7 @@ impl SegmentCertifier {
                 self.open.extend(halves);
             }
         }
-        Closure {
-            stars: &self.stars,
-            loops: &self.loops,
-        }
+        &self.bounds
     }
 
     /// Bounds the curves and the growth of the conditions over a part without evaluating any condition.
@@ -211,9 +219,8 @@ impl SegmentCertifier {
     /// Returns `true` if every bound is near the largest residual of its kind seen in the segment. `seen` has these for
     /// rotations and for translations, and takes in those of this part.
     fn is_tight(&self, points: usize, seen: &mut [f64; 2]) -> bool {
-        let kind = |index: usize| {
-            usize::from(index >= self.stars.len() && (index - self.stars.len()) % 2 == 1)
-        };
+        let stars = self.bounds.stars.len();
+        let kind = |index: usize| usize::from(index >= stars && (index - stars) % 2 == 1);
         let conditions = || self.conditions.iter().enumerate();
         for (index, condition) in conditions() {
             let seen = &mut seen[kind(index)];
@@ -229,10 +236,8 @@ impl SegmentCertifier {
     /// Takes the bounds over a part into the bounds over the segment.
     fn accept(&mut self, points: usize) {
         let points = &self.points[points];
-        let all = self.stars.iter_mut().chain(self.loops.iter_mut().flatten());
-        for (worst, condition) in all.zip(&self.conditions) {
-            *worst = worst.max(points.bound(&self.radii, &condition.growth, condition.largest));
-        }
+        let bound = |c: &Condition| points.bound(&self.radii, &c.growth, c.largest);
+        self.bounds.take_in(self.conditions.iter().map(bound));
     }
 }
 

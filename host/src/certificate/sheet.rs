@@ -44,7 +44,7 @@ impl<'t> SheetCertifier<'t> {
     /// Returns a bound on the closure of all vertices and holes over a segment on which the stars of
     /// [`ReducedStars::essential`] and the loops close to within `closure`.
     #[must_use]
-    pub fn closure(&self, closure: &Closure<'_>) -> f64 {
+    pub fn closure(&self, closure: &Closure) -> f64 {
         let bounds = self.stars.iter().map(|star| of_star(closure, star));
         bounds.fold(closure.worst(), f64::max)
     }
@@ -52,7 +52,7 @@ impl<'t> SheetCertifier<'t> {
     /// Returns bounds on deformation, gap and twist over a segment on which the stars of [`ReducedStars::essential`]
     /// and the loops close to within `closure`; infinite if an essential star or a loop is missing. Cost: linear in the
     /// size of the sheet.
-    pub fn rigidity(&mut self, closure: &Closure<'_>) -> Rigidity {
+    pub fn rigidity(&mut self, closure: &Closure) -> Rigidity {
         for star in &self.stars {
             self.vertex_bounds[star.0.index()] = of_star(closure, star);
         }
@@ -72,7 +72,7 @@ impl<'t> SheetCertifier<'t> {
 }
 
 /// Returns a bound on the closure of a vertex, from that of the star that represents it.
-fn of_star(closure: &Closure<'_>, &(_, star, off): &(VertexId, usize, f64)) -> f64 {
+fn of_star(closure: &Closure, &(_, star, off): &(VertexId, usize, f64)) -> f64 {
     let bound = closure.stars.get(star).copied();
     bound.unwrap_or(f64::INFINITY) + off
 }

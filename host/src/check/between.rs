@@ -33,10 +33,9 @@ pub(super) fn check_closure(
     let mut bound = |curves: &[Curve<f64>], effort: &Effort| {
         let (mut segment, bounds) = certify(pattern, &essential, curves, effort, options.bound);
         let (stars, holes) = bounds.split_at(essential.vertices().len());
-        let loops: Vec<_> = holes.iter().map(|&bound| [bound; 2]).collect();
         let closure = Closure {
-            stars,
-            loops: &loops,
+            stars: stars.to_vec(),
+            loops: holes.iter().map(|&bound| [bound; 2]).collect(),
         };
         let rigidity = sheet.as_mut().map(|sheet| sheet.rigidity(&closure));
         segment.rigidity = rigidity.filter(|r| r.worst().is_finite());

@@ -28,7 +28,7 @@ mod variation;
 pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use pieces::contact_tolerance;
 pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn};
-pub use scene::{CollisionCounts, CollisionScene, Crossing};
+pub use scene::{CollisionScene, Crossing};
 pub use separation::distance;
 pub(crate) use separation::face_distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};

@@ -7,6 +7,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{Contact, Pieces, Placed};
+use super::sweep::SweepCounts;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -36,17 +37,6 @@ impl Crossing {
     }
 }
 
-/// Numbers of pairs that the search for crossings tested, and that it could skip.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CollisionCounts {
-    /// Pairs of pieces of the same sheet in all configurations judged, without those joined by an edge.
-    pub pairs: u64,
-    /// Pairs judged by the narrow phase.
-    pub tested: u64,
-    /// Pairs skipped because their bounding boxes do not overlap.
-    pub skipped_bounds: u64,
-}
-
 /// The faces of a pattern, to be searched for crossings. Faces of different sheets are not compared.
 #[derive(Clone)]
 pub struct CollisionScene {
@@ -58,7 +48,7 @@ pub struct CollisionScene {
     median_edge: f64,
     hierarchy: Bvh,
     workspace: BvhWorkspace,
-    counts: CollisionCounts,
+    counts: SweepCounts,
 }
 
 impl CollisionScene {
@@ -72,7 +62,7 @@ impl CollisionScene {
             median_edge: pattern.median_edge(),
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
-            counts: CollisionCounts::default(),
+            counts: SweepCounts::default(),
             pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs(),
             pieces,
         }
@@ -117,9 +107,10 @@ impl CollisionScene {
         deepest
     }
 
-    /// Returns the numbers of pairs tested and skipped since the scene was made.
+    /// Returns the numbers of pairs tested, and skipped because their bounding boxes do not overlap, since the scene was
+    /// made. Pairs joined by an edge do not count.
     #[must_use]
-    pub fn counts(&self) -> CollisionCounts {
+    pub fn counts(&self) -> SweepCounts {
         self.counts
     }
 

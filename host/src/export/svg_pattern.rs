@@ -18,6 +18,7 @@ use crate::motion::{GroupNaming, Motion};
 use crate::pattern::{CreasePattern, Edge, EdgeId, Letter};
 use crate::read::FileError;
 use crate::symmetry::CreaseGroups;
+use crate::util::nan_max::bounding_box;
 
 /// Largest width or height of the drawn sheet without its margin, in units of the drawing.
 const SIZE: f64 = 1000.0;
@@ -228,9 +229,7 @@ struct Sheet<'a> {
 impl<'a> Sheet<'a> {
     fn new(title: &str, pattern: &'a CreasePattern, legend: f64) -> Self {
         let vertices = pattern.vertices();
-        let first = vertices.first().copied().unwrap_or_default();
-        let low = vertices.iter().fold(first, |low, v| low.inf(v));
-        let high = vertices.iter().fold(first, |high, v| high.sup(v));
+        let (low, high) = bounding_box(vertices.iter().copied()).unwrap_or_default();
         let scale = round_scale(SIZE / (high - low).max());
         Self {
             pattern,

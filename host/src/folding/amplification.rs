@@ -4,9 +4,10 @@ use super::map::Rigidity;
 use super::tree::SpanningTree;
 use crate::pattern::{CreasePattern, EdgeId, Passage};
 
-/// Bounds on gap, deformation and twist of the whole sheet, each per closure residual: no error is larger than
-/// its factor times the largest residual |r(v)| of a real vertex. Answers an open question of
-/// [XiLien2015](crate#references): which essential bound a bound on the whole sheet requires.
+/// Returns bounds on gap, deformation and twist of the whole sheet folded along this tree, each per closure residual: no
+/// error is larger than its factor times the largest residual |r(v)| of a real vertex. `None` as for
+/// [`Holonomy::new`](super::Holonomy::new). Cost: linear. Answers an open question of [XiLien2015](crate#references):
+/// which essential bound a bound on the whole sheet requires.
 ///
 /// The factors are the bounds that [`Holonomy`](super::Holonomy), where the reasons are given, has for
 /// residuals of 1. The factor of the gap is no less than the length of the longest crease at a real vertex over
@@ -22,48 +23,29 @@ use crate::pattern::{CreasePattern, EdgeId, Passage};
 /// | Miura 11x11 | 15: 0.44 | 30: 0.14 | 5: 0.69 |
 /// | Miura 24x24 | 78: 0.34 | 156: 0.13 | 12: 0.61 |
 /// | waterbomb 12x22 | 66: 0.21 | 121: 0.08 | 11: 0.26 |
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Amplification {
-    /// Factor of the gap.
-    pub gap: f64,
-    /// Factor of the deformation.
-    pub deformation: f64,
-    /// Factor of the twist.
-    pub twist: f64,
+#[must_use]
+pub fn amplification(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Rigidity> {
+    let turns = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
+    let one = |turns: bool| if turns { 1.0 } else { 0.0 };
+    let stars = pattern.stars().iter();
+    let vertices: Vec<_> = stars.map(|star| one(star.iter().any(turns))).collect();
+    let ways = pattern.holes().iter();
+    let turn = |way: &[Passage]| way.iter().any(|passage| turns(&passage.edge));
+    let holes: Vec<_> = ways.map(|way| [one(turn(way)); 2]).collect();
+    let bounds = tree.holonomy(pattern)?.rigidity(&vertices, &holes);
+    let creases = pattern.real_vertices();
+    let creases = creases.flat_map(|vertex| pattern.stars()[vertex.index()].iter());
+    let lengths = creases.filter(|edge| turns(edge));
+    let lengths = lengths.map(|&edge| pattern.length(pattern.edge(edge).ends));
+    let longest = lengths.fold(0.0, f64::max) / pattern.median_edge();
+    Some(Rigidity {
+        gap: bounds.gap.max(longest),
+        ..bounds
+    })
 }
 
-impl Amplification {
-    /// Returns the factors of a sheet folded along this tree. `None` as for
-    /// [`Holonomy::new`](super::Holonomy::new). Cost: linear.
-    #[must_use]
-    pub fn new(pattern: &CreasePattern, tree: &SpanningTree) -> Option<Self> {
-        let turns = |edge: &EdgeId| pattern.edge(*edge).crease.is_some();
-        let one = |turns: bool| if turns { 1.0 } else { 0.0 };
-        let stars = pattern.stars().iter();
-        let vertices: Vec<_> = stars.map(|star| one(star.iter().any(turns))).collect();
-        let ways = pattern.holes().iter();
-        let turn = |way: &[Passage]| way.iter().any(|passage| turns(&passage.edge));
-        let holes: Vec<_> = ways.map(|way| [one(turn(way)); 2]).collect();
-        let Rigidity {
-            deformation,
-            gap,
-            twist,
-        } = tree.holonomy(pattern)?.rigidity(&vertices, &holes);
-        let creases = pattern.real_vertices();
-        let creases = creases.flat_map(|vertex| pattern.stars()[vertex.index()].iter());
-        let lengths = creases.filter(|edge| turns(edge));
-        let lengths = lengths.map(|&edge| pattern.length(pattern.edge(edge).ends));
-        let longest = lengths.fold(0.0, f64::max) / pattern.median_edge();
-        Some(Self {
-            gap: gap.max(longest),
-            deformation,
-            twist,
-        })
-    }
-
-    /// Returns the largest of the factors; at least 1, as a residual is an error in itself.
-    #[must_use]
-    pub fn worst(&self) -> f64 {
-        self.gap.max(self.deformation).max(self.twist).max(1.0)
-    }
+/// Returns the largest of the factors of [`amplification`]; at least 1, as a residual is an error in itself.
+#[must_use]
+pub fn worst_amplification(pattern: &CreasePattern, tree: &SpanningTree) -> Option<f64> {
+    amplification(pattern, tree).map(|factors| factors.worst().max(1.0))
 }

@@ -11,7 +11,7 @@ mod rounding;
 mod shapes;
 mod tree;
 
-pub use amplification::Amplification;
+pub use amplification::{amplification, worst_amplification};
 pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::vertices_of_sheets;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::{ParameterError, check_size};
-use crate::pattern::{Drawing, DrawnEdge, Letter};
+use super::{ParameterError, check_size, crease};
+use crate::pattern::{Drawing, DrawnEdge};
 
 /// A flat conical Kresling pattern: a regular polygon of `columns` sides as central panel, and round it `rows` rings of
 /// triangles, with each ring's outer polygon rotated against its inner one.
@@ -161,11 +161,7 @@ impl Kresling {
             for k in 0..n {
                 let side = [vertex(ring, k), vertex(ring, k + 1)];
                 if ring == self.rows {
-                    drawing.edges.push(DrawnEdge {
-                        ends: side,
-                        letter: Letter::Boundary,
-                        goal: None,
-                    });
+                    drawing.edges.push(DrawnEdge::boundary(side));
                     continue;
                 }
                 let outer = vertex(ring + 1, k);
@@ -180,9 +176,8 @@ impl Kresling {
                     ([side[0], outer], [before, side[1]]),
                     ([side[1], outer], [side[0], vertex(ring + 1, k + 1)]),
                 ] {
-                    drawing
-                        .edges
-                        .push(crease(ends, apexes, &drawing.vertices, &places));
+                    let goal = fold_angle(ends, apexes, &drawing.vertices, &places);
+                    drawing.edges.push(crease(ends, goal));
                 }
             }
         }
@@ -190,14 +185,14 @@ impl Kresling {
     }
 }
 
-/// Makes a crease between two triangles, whose apexes lie to its left and right in either order, with the fold angle
-/// that the triangles have if the vertices are at `places`.
-fn crease(
+/// Returns the fold angle (radians) between two triangles, whose apexes lie to the left and right of their common edge in
+/// either order, if the vertices are at `places`.
+fn fold_angle(
     ends: [usize; 2],
     apexes: [usize; 2],
     flat: &[Vector2<f64>],
     places: &[Vector3<f64>],
-) -> DrawnEdge {
+) -> f64 {
     let [a, b] = ends;
     let [p, q] = apexes;
     let is_left = |v: usize| (flat[b] - flat[a]).perp(&(flat[v] - flat[a])) > 0.0;
@@ -209,14 +204,5 @@ fn crease(
     };
     // A valley lifts the left side above the plane of the right one.
     let (left, right) = (across(left), across(right));
-    let goal = axis.dot(&left.cross(&right)).atan2(-left.dot(&right));
-    DrawnEdge {
-        ends,
-        letter: if goal < 0.0 {
-            Letter::Mountain
-        } else {
-            Letter::Valley
-        },
-        goal: Some(goal),
-    }
+    axis.dot(&left.cross(&right)).atan2(-left.dot(&right))
 }

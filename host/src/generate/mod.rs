@@ -19,6 +19,8 @@ pub use yoshimura::Yoshimura;
 
 use thiserror::Error;
 
+use crate::pattern::{DrawnEdge, Letter};
+
 /// A parameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -85,4 +87,17 @@ fn check_fold(fold: f64) -> Result<(), ParameterError> {
         [f64::MIN_POSITIVE, 1.0],
         "a fraction above 0 and at most 1",
     )
+}
+
+/// Makes a crease with this goal fold angle, radians, and the letter of its sign.
+fn crease(ends: [usize; 2], goal: f64) -> DrawnEdge {
+    DrawnEdge {
+        ends,
+        letter: if goal < 0.0 {
+            Letter::Mountain
+        } else {
+            Letter::Valley
+        },
+        goal: Some(goal),
+    }
 }

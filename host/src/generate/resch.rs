@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_size};
-use crate::pattern::{Drawing, DrawnEdge, Letter};
+use super::{ParameterError, check_size, crease};
+use crate::pattern::{Drawing, DrawnEdge};
 
 /// Ron Resch's triangular tessellation: `rows` x `columns` stars, with smaller equilateral triangles between them. Each
 /// star is an equilateral triangle with a centre, three valleys from the centre to its corners, and three mountains
@@ -113,17 +113,8 @@ impl DrawingBuilder {
     }
 
     fn crease(&mut self, ends: [Point; 2], goal: f64) {
-        let letter = if goal < 0.0 {
-            Letter::Mountain
-        } else {
-            Letter::Valley
-        };
         let ends = ends.map(|end| self.vertex(end));
-        self.drawing.edges.push(DrawnEdge {
-            ends,
-            letter,
-            goal: Some(goal),
-        });
+        self.drawing.edges.push(crease(ends, goal));
     }
 
     /// Adds a side of a face. The side becomes a crease if it has a face on either side, else a boundary.
@@ -134,14 +125,9 @@ impl DrawingBuilder {
     }
 
     fn into_drawing(mut self) -> Drawing {
-        let sides = self.sides.into_iter().map(|(ends, faces)| DrawnEdge {
-            ends,
-            letter: if faces == 2 {
-                Letter::Mountain
-            } else {
-                Letter::Boundary
-            },
-            goal: (faces == 2).then_some(SIDE),
+        let sides = self.sides.into_iter().map(|(ends, faces)| match faces {
+            2 => crease(ends, SIDE),
+            _ => DrawnEdge::boundary(ends),
         });
         self.drawing.edges.extend(sides);
         self.drawing

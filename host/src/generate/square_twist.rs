@@ -2,8 +2,8 @@
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_between, check_fold, check_size};
-use crate::pattern::{Drawing, DrawnEdge, Letter};
+use super::{ParameterError, check_between, check_fold, check_size, crease};
+use crate::pattern::{Drawing, DrawnEdge};
 
 /// A tessellation of `rows` x `columns` square twists. A pleat of two parallel creases leaves each side of a unit
 /// square at the angle α. The tiles are 2 x 2 units large and mirror their neighbours.
@@ -84,13 +84,9 @@ impl SquareTwist {
         for mut border in borders {
             let along = |&v: &usize| drawing.vertices[v].x + drawing.vertices[v].y;
             border.sort_by(|a, b| along(a).total_cmp(&along(b)));
-            drawing
-                .edges
-                .extend(border.windows(2).map(|ends| DrawnEdge {
-                    ends: [ends[0], ends[1]],
-                    letter: Letter::Boundary,
-                    goal: None,
-                }));
+            let sides = border.windows(2);
+            let sides = sides.map(|ends| DrawnEdge::boundary([ends[0], ends[1]]));
+            drawing.edges.extend(sides);
         }
         Ok(drawing)
     }
@@ -190,19 +186,6 @@ impl SquareTwist {
     pub fn small(&self, large: f64) -> f64 {
         let ratio = (core::f64::consts::FRAC_PI_4 - self.angle / 2.0).tan();
         2.0 * (ratio * (large / 2.0).tan()).atan()
-    }
-}
-
-fn crease(ends: [usize; 2], angle: f64) -> DrawnEdge {
-    let letter = if angle < 0.0 {
-        Letter::Mountain
-    } else {
-        Letter::Valley
-    };
-    DrawnEdge {
-        ends,
-        letter,
-        goal: Some(angle),
     }
 }
 

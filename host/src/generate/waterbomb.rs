@@ -23,19 +23,6 @@ pub struct Waterbomb {
     pub fold: f64,
 }
 
-/// Fold angles of the four crease groups in radians.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WaterbombAngles {
-    /// Middle lines, valley.
-    pub middle: f64,
-    /// Cross lines, valley.
-    pub cross: f64,
-    /// Diagonals, mountain.
-    pub diagonal: f64,
-    /// Boundary lines, valley.
-    pub boundary: f64,
-}
-
 impl Waterbomb {
     /// Returns the pattern with its goal.
     ///
@@ -45,7 +32,7 @@ impl Waterbomb {
         check_size("rows", self.rows, 2)?;
         check_size("cols", self.columns, 2)?;
         check_fold(self.fold)?;
-        let goal = Self::angles(self.fold * core::f64::consts::PI);
+        let [middle, cross, diagonal, boundary] = Self::angles(self.fold * core::f64::consts::PI);
         let (columns, rows) = (self.rows, self.columns);
         let mut grid = Grid::new(columns, rows, point);
         // The band of units over rows 2k and 2k + 1 starts at an odd column if k is odd.
@@ -55,15 +42,15 @@ impl Waterbomb {
                 if row < rows {
                     let up = (column, row + 1);
                     let angle = if at_unit_side(column, row) {
-                        goal.boundary
+                        boundary
                     } else {
-                        goal.middle
+                        middle
                     };
                     grid.join((column, row), up, false, angle);
                 }
                 let side = row == 0 || row == rows;
                 if column < columns && (row % 2 == 0 || side) {
-                    grid.join((column, row), (column + 1, row), false, goal.cross);
+                    grid.join((column, row), (column + 1, row), false, cross);
                 }
                 if column < columns && row < rows {
                     // The diagonal leads towards the centre of the unit, which is halfway up the band.
@@ -73,27 +60,20 @@ impl Waterbomb {
                     } else {
                         (row + 1, row)
                     };
-                    grid.join((column, from), (column + 1, to), true, goal.diagonal);
+                    grid.join((column, from), (column + 1, to), true, diagonal);
                 }
             }
         }
         Ok(grid.into_drawing())
     }
 
-    /// Returns the fold angles of all groups if the boundary lines have `boundary` (radians, 0 to π).
+    /// Returns the fold angles (radians) of middle lines, cross lines, diagonals and boundary lines if the boundary lines
+    /// have `boundary` (0 to π).
     #[must_use]
-    pub fn angles(boundary: f64) -> WaterbombAngles {
-        let t = Self::parameter((boundary / 2.0).tan());
-        WaterbombAngles {
-            middle: 2.0 * t.atan(),
-            cross: 2.0 * (2.0 * t).atan(),
-            diagonal: -2.0 * (core::f64::consts::SQRT_2 * t).atan(),
-            boundary,
-        }
-    }
-
-    /// Solves 4t³ + 3t = tan(b/2) by the hyperbolic form of the triple angle, 4 sinh³ x + 3 sinh x = sinh 3x.
-    fn parameter(tangent: f64) -> f64 {
-        (tangent.asinh() / 3.0).sinh()
+    pub fn angles(boundary: f64) -> [f64; 4] {
+        // 4t³ + 3t = tan(b/2) is solved by the hyperbolic form of the triple angle, 4 sinh³ x + 3 sinh x = sinh 3x.
+        let t = ((boundary / 2.0).tan().asinh() / 3.0).sinh();
+        let diagonal = -2.0 * (core::f64::consts::SQRT_2 * t).atan();
+        [2.0 * t.atan(), 2.0 * (2.0 * t).atan(), diagonal, boundary]
     }
 }

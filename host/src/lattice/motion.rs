@@ -37,7 +37,7 @@ pub(super) struct CellConfiguration {
 
 /// Poses of all faces of a sheet from a few hinges: one cell folded along a tree of orbits, and the rigid
 /// motions S₁ and S₂ of space that the lattice steps become. If the sheet closes, these commute, and
-/// `pose(orbit, [i, j])` = S₁ⁱ S₂ʲ `pose(orbit, [0, 0])`; [`Lattice`] gives the reason.
+/// the face of an orbit in cell `[i, j]` has the pose S₁ⁱ S₂ʲ `pose(orbit)`; [`Lattice`] gives the reason.
 ///
 /// Points of the flat sheet are *reduced*: less the [`translation`](Lattice::translation) of the cell of their
 /// face. The face of the first orbit in cell `[0, 0]` stays where it is. One configuration costs O(orbits), one
@@ -163,41 +163,23 @@ impl LatticeMotion {
         &self.folded.steps
     }
 
-    /// Returns the rigid motion of space that leads from cell `[0, 0]` to this cell.
+    /// Returns the pose of the face of an orbit in cell `[0, 0]`, for reduced points.
     #[must_use]
-    pub fn translation(&self, cell: [i32; 2]) -> Pose {
-        match cell {
-            [i, 0] => self.folded.steps[0].power(i),
-            [0, j] => self.folded.steps[1].power(j),
-            [i, j] => self.folded.steps[0].power(i) * self.folded.steps[1].power(j),
-        }
+    pub fn pose(&self, orbit: u32) -> Pose {
+        self.folded.poses[orbit as usize]
     }
 
-    /// Returns the pose of the face of an orbit in a cell, for reduced points, whether the sheet has this face or not.
+    /// Returns a lower bound of the distance between all faces of the cell and all faces of a cell with this middle; 0
+    /// if the balls round them meet.
     #[must_use]
-    pub fn pose(&self, orbit: u32, cell: [i32; 2]) -> Pose {
-        let here = self.folded.poses[orbit as usize];
-        match cell {
-            [0, 0] => here,
-            _ => self.translation(cell) * here,
-        }
-    }
-
-    /// Returns a lower bound of the distance between all faces of a cell and all faces of the cell `offset`
-    /// steps on; 0 if the balls round them meet.
-    #[must_use]
-    pub fn gap_of_cells(&self, offset: [i32; 2]) -> f64 {
-        self.gap_at(&self.translation(offset).carry(&self.ball.center))
-    }
-
-    /// Returns the bound of [`gap_of_cells`](Self::gap_of_cells) for a cell with this middle.
-    pub(crate) fn gap_at(&self, middle: &Vector3<f64>) -> f64 {
+    pub fn gap_at(&self, middle: &Vector3<f64>) -> f64 {
         let Ball { center, radius } = self.ball;
         ((middle - center).norm() - 2.0 * radius).max(0.0)
     }
 
-    /// Returns the middle of the ball round a cell.
-    pub(crate) fn middle(&self) -> Vector3<f64> {
+    /// Returns the middle of the ball round the cell.
+    #[must_use]
+    pub fn middle(&self) -> Vector3<f64> {
         self.ball.center
     }
 
@@ -418,7 +400,9 @@ mod tests {
             let [columns, rows] = most.map(u32::cast_signed);
             for [i, j] in (-columns..=columns).flat_map(|i| (-rows..=rows).map(move |j| [i, j])) {
                 let center = motion.ball.center;
-                let way = motion.translation([i, j]).carry(&center) - center;
+                let [first, second] = motion.steps();
+                let there = first.power(i).carry(&second.power(j).carry(&center));
+                let way = there - center;
                 let straight = ways[0] * f64::from(i) + ways[1] * f64::from(j);
                 let off = (way - straight).norm();
                 assert!(off <= bent + 1e-12, "{most:?} {i} {j}: {off} {bent}");

@@ -84,17 +84,10 @@ impl From<[usize; 2]> for Stretch {
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
     own: f64,
-    first: StepTerms,
-    second: StepTerms,
-    /// Rotation of the first step times the reach of the second.
-    across: Reach,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct StepTerms {
-    /// Motion of a point of the next cell.
-    shift: f64,
-    reach: Reach,
+    /// For each step the motion of a point of the next cell.
+    shifts: [f64; 2],
+    /// The rotation of each step times its own reach, and that of the first step times the reach of the second.
+    reaches: [Reach; 3],
 }
 
 /// A rotation times the distance that steps lead from cell to cell. This distance has two bounds: the `length`
@@ -166,38 +159,19 @@ impl Linear for Reach {
     }
 }
 
-impl Linear for StepTerms {
-    fn plus(self, other: Self, times: f64) -> Self {
-        Self {
-            shift: self.shift.plus(other.shift, times),
-            reach: self.reach.plus(other.reach, times),
-        }
-    }
-
-    fn within(self) -> Self {
-        Self {
-            reach: self.reach.within(),
-            ..self
-        }
-    }
-}
-
 impl Linear for Terms {
     fn plus(self, other: Self, times: f64) -> Self {
         Self {
             own: self.own.plus(other.own, times),
-            first: self.first.plus(other.first, times),
-            second: self.second.plus(other.second, times),
-            across: self.across.plus(other.across, times),
+            shifts: [0, 1].map(|k| self.shifts[k].plus(other.shifts[k], times)),
+            reaches: [0, 1, 2].map(|k| self.reaches[k].plus(other.reaches[k], times)),
         }
     }
 
     fn within(self) -> Self {
         Self {
-            own: self.own,
-            first: self.first.within(),
-            second: self.second.within(),
-            across: self.across.within(),
+            reaches: self.reaches.map(Reach::within),
+            ..self
         }
     }
 }
@@ -313,21 +287,18 @@ impl LatticeMotionBounds {
             *reach = Reach::new(&before.steps[k], center, self.most[k]);
             reach.length += moved + off;
         }
-        let [
-            (shift, turn, reach),
-            (second_shift, second_turn, second_reach),
-        ] = steps;
-        let terms = |part: fn(&Parts<f64>) -> f64| Terms {
-            own: part(&most),
-            first: StepTerms {
-                shift: part(&shift),
-                reach: reach.times(part(&turn)),
-            },
-            second: StepTerms {
-                shift: part(&second_shift),
-                reach: second_reach.times(part(&second_turn)),
-            },
-            across: second_reach.times(part(&turn)),
+        let terms = |part: fn(&Parts<f64>) -> f64| {
+            let [(_, turn, reach), (_, second_turn, second_reach)] = &steps;
+            let [turn, second_turn] = [part(turn), part(second_turn)];
+            Terms {
+                own: part(&most),
+                shifts: steps.each_ref().map(|(shift, _, _)| part(shift)),
+                reaches: [
+                    reach.times(turn),
+                    second_reach.times(second_turn),
+                    second_reach.times(turn),
+                ],
+            }
         };
         let sum = self.sums[self.sums.len() - 1].and(Parts {
             curve: terms(|parts| parts.curve),
@@ -344,7 +315,7 @@ impl LatticeMotionBounds {
             return 0.0;
         }
         let [i, j] = offset.map(|count| f64::from(count).abs());
-        let shifts = i * terms.first.shift + j * terms.second.shift;
+        let shifts = i * terms.shifts[0] + j * terms.shifts[1];
         shifts + terms.turned([i, j])
     }
 
@@ -357,7 +328,7 @@ impl LatticeMotionBounds {
         let terms = self.terms(stretch.into());
         Drift {
             own: 2.0 * terms.own,
-            shifts: [terms.first.shift, terms.second.shift],
+            shifts: terms.shifts,
             turned: terms.turned(self.most),
         }
     }
@@ -391,8 +362,9 @@ impl LatticeMotionBounds {
 impl Terms {
     /// Returns a bound on the motion of a cell some steps on that comes from rotations of the steps.
     fn turned(&self, [i, j]: [f64; 2]) -> f64 {
-        let own = |step: &StepTerms, n: f64| step.reach.sum(n * (n + 1.0) / 2.0, n);
-        own(&self.first, i) + own(&self.second, j) + i * self.across.sum(j, 1.0)
+        let [first, second, across] = &self.reaches;
+        let own = |reach: &Reach, n: f64| reach.sum(n * (n + 1.0) / 2.0, n);
+        own(first, i) + own(second, j) + i * across.sum(j, 1.0)
     }
 }
 

@@ -27,7 +27,8 @@ use crate::util::csr::Csr;
 /// for the hinges there all the same.
 ///
 /// Holes do not matter, because the sheet closes round them as well. These statements are exact for exact coordinates.
-/// For other coordinates they hold to about [`deviation`](Self::deviation) times the square of the number of cells.
+/// For other coordinates they hold to about the largest distance between a corner moved by a step and the corner that
+/// counts as its image, times the square of the number of cells.
 #[derive(Clone, Debug)]
 pub struct Lattice {
     pub(super) steps: Vec<Vector2<f64>>,
@@ -37,7 +38,6 @@ pub struct Lattice {
     pub(super) rows: Csr<(i32, FaceId)>,
     pub(super) tree: Vec<Link>,
     pub(super) loops: Vec<Link>,
-    pub(super) deviation: f64,
 }
 
 /// Orbit and cell of a face.
@@ -180,13 +180,6 @@ impl Lattice {
     fn cells_across(&self) -> [f64; 2] {
         let extent = self.extent();
         extent.map(|[low, high]| f64::from(high) - f64::from(low) + 1.0)
-    }
-
-    /// Returns the largest distance, in the units of the flat sheet, between a corner moved by a step and the corner
-    /// that counts as its image.
-    #[must_use]
-    pub fn deviation(&self) -> f64 {
-        self.deviation
     }
 }
 

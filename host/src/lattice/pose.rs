@@ -77,14 +77,6 @@ impl Pose {
     pub fn carry(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.r_wf.rotate(point) + self.p_w
     }
-
-    /// Returns the inverse motion.
-    #[must_use]
-    pub fn inverse(&self) -> Self {
-        let r_wf = self.r_wf.inverse();
-        let p_w = -r_wf.rotate(&self.p_w);
-        Self::new(r_wf, p_w)
-    }
 }
 
 impl core::ops::Mul for Pose {

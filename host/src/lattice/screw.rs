@@ -166,7 +166,10 @@ mod tests {
         let motion = Screw::new(screw(axis, Vector3::new(1.0, 2.0, 3.0), 2.5, -0.1));
         let both = motion.power(17) * motion.power(-17);
         assert!(both.p_w.norm() < 1e-13 && both.r_wf.v.norm() < 1e-14);
-        let twice = motion.power(2).inverse() * (motion.motion() * motion.motion());
-        assert!(twice.p_w.norm() < 1e-14 && twice.r_wf.v.norm() < 1e-15);
+        let (twice, once) = (motion.power(2), motion.motion());
+        let off = twice.r_wf.inverse() * (once * once).r_wf;
+        let point = Vector3::new(0.5, -1.5, 2.0);
+        let way = twice.carry(&point) - once.carry(&once.carry(&point));
+        assert!(way.norm() < 1e-14 && off.v.norm() < 1e-15);
     }
 }

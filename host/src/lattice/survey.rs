@@ -245,7 +245,6 @@ impl<'a> Survey<'a> {
             rows,
             tree: self.tree,
             loops: basis.into_iter().map(|(_, link)| link).collect(),
-            deviation: self.sheet.deviation,
         })
     }
 }

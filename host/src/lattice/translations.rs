@@ -9,6 +9,7 @@ use nalgebra::Vector2;
 
 use super::orbits::Link;
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+use crate::util::nan_max::bounding_box;
 
 /// Largest distance between corners that count as equal: the tolerance of exact crease groups.
 const SAME_POINT_EDGES: f64 = 1e-6;
@@ -55,14 +56,10 @@ struct Pair {
 /// The faces with the faces beyond their sides. A side has the number of the corner at which it begins.
 pub(super) struct FaceAdjacency<'a> {
     pattern: &'a CreasePattern,
-    /// Index of each face's first side, followed by the number of all sides.
-    starts: Vec<u32>,
     sides: Vec<Side>,
     /// Position in the flat sheet at which each side begins.
     corners: Vec<Vector2<f64>>,
     tolerance: f64,
-    /// Largest distance between the image of a corner and the corner that counts as equal to it.
-    pub(super) deviation: f64,
     budget: usize,
 }
 
@@ -81,11 +78,9 @@ impl<'a> FaceAdjacency<'a> {
         };
         let mut adjacency = Self {
             pattern,
-            starts: [0].iter().chain(pattern.faces().ends()).copied().collect(),
             sides: vec![none; corners.len()],
             corners,
             tolerance: SAME_POINT_EDGES * pattern.median_edge(),
-            deviation: 0.0,
             budget: MAX_COMPARISONS + MAX_PASSES * pattern.faces().len(),
         };
         for (index, edge) in (0..).zip(pattern.edges()) {
@@ -121,11 +116,11 @@ impl<'a> FaceAdjacency<'a> {
 
     /// Returns the index of a face's first corner, which is also that of its first side.
     fn start(&self, face: u32) -> usize {
-        self.starts[face as usize] as usize
+        self.pattern.faces().range(face as usize).start
     }
 
     fn degree(&self, face: u32) -> usize {
-        self.start(face + 1) - self.start(face)
+        self.pattern.faces()[face as usize].len()
     }
 
     /// Returns the number of faces.
@@ -135,8 +130,7 @@ impl<'a> FaceAdjacency<'a> {
 
     /// Returns the sides of a face.
     pub(super) fn sides(&self, face: u32) -> &[Side] {
-        let start = self.start(face);
-        &self.sides[start..start + self.degree(face)]
+        &self.sides[self.pattern.faces().range(face as usize)]
     }
 
     /// Returns `true` if a face may have been cut at the border of the sheet.
@@ -147,16 +141,7 @@ impl<'a> FaceAdjacency<'a> {
     /// Returns a face at the vertex nearest to a position in the bounding box of the sheet, given from 0 to 1.
     pub(super) fn seed(&self, place: [f64; 2]) -> Option<FaceId> {
         let vertices = self.pattern.vertices();
-        let (mut low, mut high) = (vertices[0], vertices[0]);
-        for v in vertices {
-            for k in 0..2 {
-                if v[k] < low[k] {
-                    low[k] = v[k];
-                } else if v[k] > high[k] {
-                    high[k] = v[k];
-                }
-            }
-        }
+        let (low, high) = bounding_box(vertices.iter().copied())?;
         let [x, y] = [0, 1].map(|k| low[k] + (high[k] - low[k]) * place[k]);
         let mut nearest = (f64::INFINITY, None);
         for (vertex, faces) in vertices.iter().zip(self.pattern.corners().iter()) {
@@ -217,7 +202,7 @@ impl<'a> FaceAdjacency<'a> {
                 let pair = Pair { face, image, turn };
                 let first = self.corners[self.start(face)];
                 let shift = self.corners[self.start(image) + turn as usize] - first;
-                if image != face && self.misfit(pair, shift).is_some() {
+                if image != face && self.fits(pair, shift) {
                     candidates.push((ring, shift, pair));
                 }
             }
@@ -241,33 +226,24 @@ impl<'a> FaceAdjacency<'a> {
         let (side, other) = (&self.sides[side], &self.sides[other]);
         off.norm() <= self.tolerance
             && side.hinge == other.hinge
-            && self.misfit(self.beyond(side, other), shift).is_some()
+            && self.fits(self.beyond(side, other), shift)
     }
 
-    /// Returns the squared largest distance between a moved corner of the face and the corner of the image, or `None`
-    /// if the moved face is not the image.
-    fn misfit(&self, pair: Pair, shift: Vector2<f64>) -> Option<f64> {
+    /// Returns `true` if the moved face is the image.
+    fn fits(&self, pair: Pair, shift: Vector2<f64>) -> bool {
         let degree = self.degree(pair.face);
         if degree != self.degree(pair.image) {
-            return None;
+            return false;
         }
         let corners = |face| &self.corners[self.start(face)..][..degree];
         let (face, image) = (corners(pair.face), corners(pair.image));
         let limit = self.tolerance * self.tolerance;
-        let mut worst = 0.0_f64;
         let mut turned = pair.turn as usize;
-        for from in face {
+        face.iter().all(|from| {
             let off = image[turned] - from - shift;
-            let off = off.x * off.x + off.y * off.y;
             turned = if turned + 1 == degree { 0 } else { turned + 1 };
-            if off > worst {
-                if off > limit {
-                    return None;
-                }
-                worst = off;
-            }
-        }
-        Some(worst)
+            off.x * off.x + off.y * off.y <= limit
+        })
     }
 
     /// Finds the images of all faces that can be reached from `seed.face` through faces with an image.
@@ -280,7 +256,7 @@ impl<'a> FaceAdjacency<'a> {
         images[seed.face as usize] = seed.image;
         // A queue keeps the visited faces near each other in memory.
         let mut open = VecDeque::from([seed]);
-        let (mut found, mut excused, mut deviation) = (1, 0, 0.0_f64);
+        let (mut found, mut excused) = (1, 0);
         while let Some(pair) = open.pop_front() {
             self.budget = self.budget.checked_sub(1)?;
             let [from, to] = [pair.face, pair.image].map(|face| self.start(face));
@@ -295,14 +271,13 @@ impl<'a> FaceAdjacency<'a> {
                 let known = images[side.face as usize];
                 if known == NONE {
                     let beyond = self.beyond(side, &other);
-                    let Some(off) = self.misfit(beyond, shift) else {
+                    if !self.fits(beyond, shift) {
                         if !self.is_at_border(side.face) && !self.is_at_border(other.face) {
                             return None;
                         }
                         excused += 1;
                         continue;
-                    };
-                    deviation = deviation.max(off);
+                    }
                     images[side.face as usize] = other.face;
                     found += 1;
                     open.push_back(beyond);
@@ -317,7 +292,6 @@ impl<'a> FaceAdjacency<'a> {
         if excused > found {
             return None;
         }
-        self.deviation = self.deviation.max(deviation.sqrt());
         Some(Step { shift, images })
     }
 

@@ -16,6 +16,18 @@ pub struct DrawnEdge {
     pub goal: Option<f64>,
 }
 
+impl DrawnEdge {
+    /// Makes an edge at the border of the sheet or of a hole.
+    #[must_use]
+    pub fn boundary(ends: [usize; 2]) -> Self {
+        Self {
+            ends,
+            letter: Letter::Boundary,
+            goal: None,
+        }
+    }
+}
+
 /// A crease pattern as drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {

@@ -41,11 +41,7 @@ pub(super) fn split(
             continue;
         }
         cuts.push(edge);
-        drawing.edges.push(DrawnEdge {
-            ends: other,
-            letter: Letter::Boundary,
-            goal: None,
-        });
+        drawing.edges.push(DrawnEdge::boundary(other));
         edge_faces[edge] = [left, None];
         edge_faces.push([None, Some(right)]);
     }

@@ -2,34 +2,18 @@
 
 use std::sync::Arc;
 
-use foldpath_core::{Curve, Interpolation, Membership, Node};
-use nalgebra::Vector3;
+use foldpath_core::{Curve, GroupId, Interpolation, Membership};
 
 use super::PlanOptions;
+use crate::folding::Rigidity;
 use crate::motion::{self, Claims, GroupNaming, Motion, PlanAnswer};
 use crate::pattern::CreasePattern;
 
-/// One stored configuration of a path, with the errors measured there on the whole sheet.
+/// One configuration of a path, with the errors measured there on the whole sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Knot {
-    /// Seconds since the start.
-    pub(super) time: f64,
-    /// Fold angle of each group, radians.
-    pub(super) angles: Vec<f64>,
-    /// Rate of each group, radians per second.
-    pub(super) rates: Vec<f64>,
-    /// Weight of each group's homogeneous half angle and its rate per second; empty unless the
-    /// interpolation is homogeneous.
-    pub(super) weights: Vec<[f64; 2]>,
-    /// Folded positions of the vertices; empty if they were not kept.
-    pub(super) vertices: Vec<Vector3<f64>>,
-    /// Largest closure residual of a real vertex or a hole, or twist of a hinge if that is larger. This error and the
-    /// next two are NaN if they were not measured.
-    pub(super) closure: f64,
-    /// Largest relative change of length of an edge or virtual edge.
-    pub(super) deformation: f64,
-    /// Largest gap, over the median edge.
-    pub(super) gap: f64,
+    /// The configuration as it is stored. Its claims are the errors, `None` if they were not measured.
+    pub(super) stored: motion::Knot,
     /// `true` if one phase of the motion ends here and another begins.
     pub(super) ends_phase: bool,
 }
@@ -74,9 +58,16 @@ impl Path {
             },
             seed: Some(options.seed),
             answer: Some(answer),
-            knots: self.knots.into_iter().map(Knot::into_stored).collect(),
+            knots: self.knots.into_iter().map(|knot| knot.stored).collect(),
             phases,
         })
+    }
+
+    /// Returns the fold angle of each crease at one of the knots, radians.
+    pub(super) fn crease_angles(&self, knot: &Knot) -> Vec<f64> {
+        let angles = &knot.stored.angles;
+        let angle = |member: &Membership| member.apply(angles[member.group.index()]);
+        self.memberships.iter().map(angle).collect()
     }
 
     /// Returns, for each segment between two knots, the curve of each group.
@@ -91,43 +82,47 @@ pub(super) fn curves(
     knots: &[Knot],
 ) -> impl Iterator<Item = Vec<Curve<f64>>> {
     knots.windows(2).map(move |pair| {
-        let span = pair[1].time - pair[0].time;
-        let groups = 0..pair[0].angles.len();
+        let [from, to] = [0, 1].map(|end: usize| &pair[end].stored);
+        let groups = (0..).map(GroupId).take(from.angles.len());
         let curve = |group| {
-            let [from, to] = [0, 1].map(|end| pair[end].node(group));
+            let (span, from, to) = (to.time - from.time, from.node(group), to.node(group));
             Curve::between(interpolation, span, from, to)
         };
         groups.map(curve).collect()
     })
 }
 
-/// Returns an error of the sheet; `None` if it was not measured.
-fn measured(error: f64) -> Option<f64> {
-    (!error.is_nan()).then_some(error)
-}
-
 impl Knot {
-    fn into_stored(self) -> motion::Knot {
-        motion::Knot {
-            time: self.time,
-            angles: self.angles,
-            rates: self.rates,
-            weights: self.weights,
-            vertices: self.vertices,
-            claims: Claims {
-                deformation: measured(self.deformation),
-                gap: measured(self.gap),
-                closure: measured(self.closure),
-                clearance: None,
-            },
+    /// Returns the knot at these group angles, radians.
+    pub(super) fn at(angles: Vec<f64>) -> Self {
+        let stored = motion::Knot {
+            angles,
+            ..motion::Knot::default()
+        };
+        Self {
+            stored,
+            ends_phase: false,
         }
     }
 
-    fn node(&self, group: usize) -> Node<f64> {
-        Node {
-            angle: self.angles[group],
-            rate: self.rates[group],
-            weight: self.weights.get(group).copied().unwrap_or([1.0, 0.0]),
+    /// Stores the errors measured here; the twist is the closure residual, if that is larger.
+    pub(super) fn set_errors(&mut self, errors: Rigidity) {
+        let measured = |error: f64| (!error.is_nan()).then_some(error);
+        self.stored.claims = Claims {
+            deformation: measured(errors.deformation),
+            gap: measured(errors.gap),
+            closure: measured(errors.twist),
+            clearance: None,
+        };
+    }
+
+    /// Returns the errors measured here, NaN if they were not; the twist is the closure residual, if that is larger.
+    pub(super) fn errors(&self) -> Rigidity {
+        let claims = &self.stored.claims;
+        Rigidity {
+            deformation: claims.deformation.unwrap_or(f64::NAN),
+            gap: claims.gap.unwrap_or(f64::NAN),
+            twist: claims.closure.unwrap_or(f64::NAN),
         }
     }
 }

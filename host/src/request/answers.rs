@@ -12,7 +12,7 @@ use super::options::PlanRequest;
 use super::plan::Planned;
 use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
-use crate::folding::{Amplification, SpanningTree};
+use crate::folding::{SpanningTree, worst_amplification};
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, Letter};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
@@ -194,7 +194,7 @@ answers! {
         groups: usize = crease_groups.len();
         essential_vertices: usize = stars.vertices().len();
         closure_goal: Option<f64> = closure_goal;
-        amplification: Option<f64> = Amplification::new(pattern, &tree).map(|factors| factors.worst());
+        amplification: Option<f64> = worst_amplification(pattern, &tree);
         repairs: Vec<String> = pattern.repairs().to_vec();
         assumptions: Vec<String> = assumptions;
         verdict: &'static str = forecast.foldability.name();

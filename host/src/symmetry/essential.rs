@@ -12,7 +12,7 @@ use super::CreaseGroups;
 use super::isometry::StarImage;
 use super::unrounded::unround;
 use crate::pattern::{
-    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Passage, PatternError, VertexId,
+    CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, PatternError, VertexId,
 };
 use crate::util::csr::Csr;
 use crate::util::nan_max::largest;
@@ -125,11 +125,7 @@ impl ReducedStars {
         hole: usize,
     ) {
         let way = &pattern.holes()[hole];
-        let place = |passage: &Passage| pattern.vertices()[passage.at.index()];
-        #[allow(clippy::cast_precision_loss, reason = "a mean")]
-        let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
-        let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
-        let size = from_middle.fold(f64::MIN_POSITIVE, f64::max);
+        let (middle, size) = pattern.hole_frame(hole);
         let mut spokes = Vec::new();
         for passage in way {
             let edge = pattern.edge(passage.edge);
@@ -142,7 +138,8 @@ impl ReducedStars {
                 negative,
                 direction: pattern.direction(passage.edge, start).into(),
             });
-            self.places.push(((place(passage) - middle) / size).into());
+            let place = pattern.vertices()[passage.at.index()];
+            self.places.push(((place - middle) / size).into());
         }
         if !spokes.is_empty() {
             self.loops.push(spokes);

@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use crate::pattern::{CreasePattern, VertexId};
 use crate::util::csr::{Csr, group_by_key};
+use crate::util::nan_max::bounding_box;
 
 /// A uniform grid over the sheet with about one vertex in each cell.
 pub(super) struct Places<'a> {
@@ -24,8 +25,7 @@ impl<'a> Places<'a> {
     /// Makes the grid. Points within `tolerance` of each other count as equal.
     pub(super) fn new(pattern: &'a CreasePattern, tolerance: f64) -> Self {
         let vertices = pattern.vertices();
-        let low = vertices.iter().fold(vertices[0], |low, v| low.inf(v));
-        let high = vertices.iter().fold(vertices[0], |high, v| high.sup(v));
+        let (low, high) = bounding_box(vertices.iter().copied()).unwrap_or_default();
         let extent = high - low;
         #[allow(clippy::cast_precision_loss, reason = "sizes a grid")]
         let count = vertices.len() as f64;

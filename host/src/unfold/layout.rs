@@ -101,12 +101,8 @@ impl Layout {
             });
             second_sides.extend(other);
         }
-        let boundary = |ends| DrawnEdge {
-            ends,
-            letter: Letter::Boundary,
-            goal: None,
-        };
-        drawing.edges.extend(second_sides.into_iter().map(boundary));
+        let second_sides = second_sides.into_iter().map(DrawnEdge::boundary);
+        drawing.edges.extend(second_sides);
         let faces = 0..surface.faces.len();
         let cycle = |face| surface.cycle(face).into_iter().map(name).collect();
         drawing.faces = Some(faces.map(cycle).collect());

@@ -1,4 +1,4 @@
-//! Maxima that never lose a NaN, and the diagonal of a bounding box.
+//! Maxima that never lose a NaN, and bounding boxes.
 
 use nalgebra::SVector;
 
@@ -11,12 +11,16 @@ pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
 
 /// Returns the diagonal of the bounding box of the points, 0 for none.
 pub(crate) fn diagonal<const D: usize>(points: &[SVector<f64, D>]) -> f64 {
-    let Some(&first) = points.first() else {
-        return 0.0;
-    };
-    let grow = |(low, high): (SVector<f64, D>, SVector<f64, D>), p| (low.inf(p), high.sup(p));
-    let (low, high) = points.iter().fold((first, first), grow);
-    (high - low).norm()
+    let corners = bounding_box(points.iter().copied());
+    corners.map_or(0.0, |(low, high)| (high - low).norm())
+}
+
+/// Returns the lower and the upper corner of the bounding box of the points, `None` for none.
+pub(crate) fn bounding_box<const D: usize>(
+    points: impl IntoIterator<Item = SVector<f64, D>>,
+) -> Option<(SVector<f64, D>, SVector<f64, D>)> {
+    let corners = points.into_iter().map(|point| (point, point));
+    corners.reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)))
 }
 
 /// Returns the larger number, and NaN if either is NaN, so that a broken value never passes for a good one.

@@ -118,7 +118,8 @@ impl Sheet {
             fold: 0.5,
         };
         let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
-        let t = (Waterbomb::angles(core::f64::consts::FRAC_PI_2).middle / 2.0).tan();
+        let [middle, ..] = Waterbomb::angles(core::f64::consts::FRAC_PI_2);
+        let t = (middle / 2.0).tan();
         Self::new("waterbomb", pattern, &WATERBOMB, t)
     }
 
@@ -459,7 +460,7 @@ fn errors_of_the_folded_sheet_are_certified() {
             let ends = [60_f64, 60.0 + degrees].map(f64::to_radians);
             let curves = sheet.curves(kind, ends, by_t);
             let closed = closure.closure(sheet.stars.view(), sheet.stars.loops(), &curves);
-            let bound = certifier.rigidity(&closed);
+            let bound = certifier.rigidity(closed);
             let (mut worst, mut all) = (Rigidity::default(), Rigidity::default());
             for sample in 0..=200 {
                 let s = f64::from(sample) / 200.0;

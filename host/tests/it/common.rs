@@ -6,6 +6,7 @@ use foldpath::lattice::{Lattice, PairClass};
 use foldpath::motion::Motion;
 use foldpath::pattern::{Drawing, FaceId};
 use foldpath::planner::Plan;
+use foldpath::planner::timing::OptimalTimeLaw;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
@@ -49,6 +50,27 @@ pub(crate) fn path_text(title: &str, plan: &Plan) -> String {
         ..motion
     });
     motion.as_ref().map(motion_text).unwrap_or_default()
+}
+
+/// Returns the parameter σ and the acceleration σ̈ of a time law, as functions of the time: between the points of its
+/// grid the acceleration is constant.
+pub(crate) fn placed(law: &OptimalTimeLaw) -> impl Fn(f64) -> [f64; 2] + '_ {
+    let speeds: Vec<f64> = law.speeds().collect();
+    move |time| {
+        let times = law.times();
+        let behind = times.partition_point(|&point| point <= time);
+        let k = behind.clamp(1, times.len() - 1) - 1;
+        let (from, to) = (law.parameters()[k], law.parameters()[k + 1]);
+        let span = to - from;
+        let acceleration = if span > 0.0 {
+            (speeds[k + 1].powi(2) - speeds[k].powi(2)) / (2.0 * span)
+        } else {
+            0.0
+        };
+        let passed = (time - times[k]).min(times[k + 1] - times[k]);
+        let sigma = from + passed * (speeds[k] + passed * acceleration / 2.0);
+        [sigma.clamp(from, to), acceleration]
+    }
 }
 
 /// Returns a random number between -1 and 1.

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use crate::common::{folder, folder_with_path, pattern};
 use foldpath::generate::Kresling;
 use foldpath::pattern::PatternError;
-use foldpath::planner::timing::TimingError;
 use foldpath::planner::{GoalError, PlanOptions};
 use foldpath::read::FileError;
 use foldpath::request::{PlanRequest, Request};
@@ -467,16 +466,6 @@ fn errors_of_the_libraries() {
         },
         ShapeError::NoLength { ends: [1, 2] },
         ShapeError::Pattern("vertex 3: expected finite coordinates".into()),
-    ] {
-        said += &format!("{error}\n");
-    }
-    for error in [
-        TimingError::Shape,
-        TimingError::NotFinite(3),
-        TimingError::Order(3),
-        TimingError::Limit(1),
-        TimingError::NoMotion,
-        TimingError::Coarse(3),
     ] {
         said += &format!("{error}\n");
     }

@@ -287,7 +287,7 @@ impl<'a> CellPairs<'a> {
         self.fold(motion, time);
         let coord = self.lattice.coord(face);
         let origin = self.lattice.translation(coord.cell);
-        let here = self.folded.pose(coord.orbit, [0, 0]);
+        let here = self.folded.pose(coord.orbit);
         (self.translation(coord.cell) * here, origin)
     }
 
@@ -356,7 +356,7 @@ impl<'a> CellPairs<'a> {
         self.centered = self.time;
         let disks = (0..)
             .zip(&self.circles)
-            .map(|(orbit, &circle)| Disk::new(&self.folded.pose(orbit, [0, 0]), circle));
+            .map(|(orbit, &circle)| Disk::new(&self.folded.pose(orbit), circle));
         self.disks.clear();
         self.disks.extend(disks);
     }

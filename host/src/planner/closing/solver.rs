@@ -46,11 +46,12 @@ pub(crate) struct ClosureSolver<'a> {
     /// Closure residual up to which a local minimum counts as closed.
     closure_tolerance: f64,
     /// Closure residual up to which a configuration counts as closed.
-    tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Lower and upper bound of each unknown, radians; empty for half a turn each way.
-    limits: Vec<(f64, f64)>,
+    pub(crate) limits: Vec<(f64, f64)>,
     watch: Watch<'a>,
-    most_iterations: u32,
+    /// Largest number of iterations of Levenberg-Marquardt for a configuration.
+    pub(crate) max_iterations: u32,
     half_angles: Vec<HalfAngle<f64>>,
     columns: Vec<Vector3<f64>>,
     equations: Equations<'a>,
@@ -78,30 +79,13 @@ impl<'a> ClosureSolver<'a> {
             tolerance: Options::<f64>::default().tolerance,
             limits: Vec::new(),
             watch,
-            most_iterations: Options::<f64>::default().max_iterations,
+            max_iterations: Options::<f64>::default().max_iterations,
             half_angles: vec![HalfAngle::default(); n],
             columns: vec![Vector3::zeros(); ClosureProblem::columns(stars, loops)],
             equations: Equations::new(stars, loops, structure, watch),
             workspace: vec![0.0; 3 * n],
             work: Work::default(),
         }
-    }
-
-    /// Sets the lower and upper bounds (radians) of the unknowns.
-    pub(crate) fn set_limits(&mut self, limits: Vec<(f64, f64)>) {
-        self.limits = limits;
-    }
-
-    /// Raises the tolerance to this closure residual.
-    pub(crate) fn content_with(mut self, tolerance: f64) -> Self {
-        self.tolerance = self.tolerance.max(tolerance);
-        self
-    }
-
-    /// Limits Levenberg-Marquardt to this number of iterations for a configuration.
-    pub(crate) fn at_most(mut self, iterations: u32) -> Self {
-        self.most_iterations = iterations;
-        self
     }
 
     /// Returns `true` once the call is over.
@@ -137,7 +121,7 @@ impl<'a> ClosureSolver<'a> {
         let mut options = Options {
             acceptable: self.closure_tolerance,
             tolerance: self.tolerance,
-            max_iterations: self.most_iterations,
+            max_iterations: self.max_iterations,
             ..Options::default()
         };
         let limits = Limits::Each(&self.limits);

@@ -129,10 +129,10 @@ impl<'a> Sheet<'a> {
         // Errors at the largest rate that the ratio admits; errors at rate 1 find multipliers that prove more where the
         // digits are few.
         for slack in [1.0 / STILL_RATIO, 1.0] {
-            let rates = self
-                .conditions
-                .solve(&active, self.signs, &self.errors, slack)?;
-            self.certify(&rates.multipliers, self.signs, &mut locks);
+            let (_, multipliers) =
+                self.conditions
+                    .solve(&active, self.signs, &self.errors, slack)?;
+            self.certify(&multipliers, self.signs, &mut locks);
         }
         Some(locks)
     }
@@ -276,10 +276,10 @@ impl<'a> Sheet<'a> {
                     let mut signs = self.signs.to_vec();
                     signs[crease] = sign;
                     let mut tried = locks.clone();
-                    let rates =
+                    let (_, multipliers) =
                         self.conditions
                             .solve(&part, &signs, &self.errors, 1.0 / STILL_RATIO)?;
-                    self.certify(&rates.multipliers, &signs, &mut tried);
+                    self.certify(&multipliers, &signs, &mut tried);
                     Some(tried.locked[crease])
                 };
                 if still(1.0)? && still(-1.0)? {
@@ -311,10 +311,11 @@ impl<'a> Sheet<'a> {
         if signed.is_empty() {
             return true;
         }
-        let Some(rates) = self.conditions.solve(part, self.signs, &self.errors, 1.0) else {
+        let solved = self.conditions.solve(part, self.signs, &self.errors, 1.0);
+        let Some((_, multipliers)) = solved else {
             return false;
         };
-        let sums = |&crease: &usize| self.sums(&rates.multipliers, self.signs, crease);
+        let sums = |&crease: &usize| self.sums(&multipliers, self.signs, crease);
         let held = signed.iter().map(sums).map(|(c, e)| c - e);
         let pushed = unsigned.iter().map(sums).map(|(c, e)| c.abs() + e);
         let length = |&crease: &usize| {
@@ -545,10 +546,9 @@ mod tests {
             let conditions = FlatConditions::new(&pattern);
             let all: Vec<usize> = (0..signs.len()).collect();
             let errors = direction_errors(&pattern);
-            let rates = conditions
+            let (rates, _) = conditions
                 .solve(&all, &signs, &errors, 1.0 / STILL_RATIO)
-                .unwrap()
-                .rates;
+                .unwrap();
             for (crease, rate) in rates.iter().enumerate() {
                 let along = rate * signs[crease];
                 assert!(along >= 0.0 && rate.abs() <= MAX_RATE + 1.0);

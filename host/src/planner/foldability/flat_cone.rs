@@ -117,14 +117,14 @@ impl FlatConditions {
     /// Makes the program that turns as many of the `active` creases as possible: maximise the sum of t_k subject to
     /// the conditions on the rates, 0 ≤ t_k ≤ 1, t_k ≤ |rate| ≤ [`MAX_RATE`]. A crease without sign has a rate
     /// of either sign and no t. Each condition is allowed `slack` times the sum of the errors of its creases'
-    /// directions.
-    pub(crate) fn program(
+    /// directions. Returns for each condition the row that it has in the program too.
+    fn program(
         &self,
         active: &[usize],
         signs: &[f64],
         errors: &[f64],
         slack: f64,
-    ) -> RateProgram {
+    ) -> (LinearProgram, Vec<Option<usize>>) {
         let mut rows = vec![None; self.sites.len()];
         // For each row of the program the error allowed, and the sum of the sizes of its entries.
         let mut sizes: Vec<(f64, f64)> = Vec::new();
@@ -189,19 +189,19 @@ impl FlatConditions {
                 upper: 2.0 * allowed,
                 start: *slack,
             }));
-        RateProgram { program, rows }
+        (program, rows)
     }
 
     /// Returns the rates of a solution of [`program`](Self::program), one for each active crease, and the multipliers
-    /// of all conditions. `None` if there are too many creases.
+    /// of all conditions: the stress that holds the locked creases. `None` if there are too many creases.
     pub(crate) fn solve(
         &self,
         active: &[usize],
         signs: &[f64],
         errors: &[f64],
         slack: f64,
-    ) -> Option<Rates> {
-        let RateProgram { program, rows } = self.program(active, signs, errors, slack);
+    ) -> Option<(Vec<f64>, Vec<f64>)> {
+        let (program, rows) = self.program(active, signs, errors, slack);
         let solution = program.solve()?;
         let rates = active.iter().zip(first_variables(active, signs));
         let rates = rates.map(|(&crease, first)| {
@@ -221,7 +221,7 @@ impl FlatConditions {
         });
         let turning: Vec<usize> = turning.map(|(crease, _)| *crease).collect();
         self.purify(&turning, &mut multipliers);
-        Some(Rates { rates, multipliers })
+        Some((rates, multipliers))
     }
 
     /// Removes the error of a program's solution from its multipliers: changes them as little as possible so that they
@@ -261,24 +261,6 @@ impl FlatConditions {
             size = next;
         }
     }
-}
-
-/// A program of rates, and for each condition the row that it has in the program.
-pub(crate) struct RateProgram {
-    program: LinearProgram,
-    rows: Vec<Option<usize>>,
-}
-
-/// Solution of a program of rates.
-pub(crate) struct Rates {
-    /// The rate of each active crease.
-    #[cfg_attr(
-        not(test),
-        allow(dead_code, reason = "tests compare them with the conditions")
-    )]
-    pub(crate) rates: Vec<f64>,
-    /// The multiplier of each condition: the stress that holds the locked creases.
-    pub(crate) multipliers: Vec<f64>,
 }
 
 /// Returns the first variable of each active crease: two for a crease with sign, one for any other.

@@ -87,29 +87,18 @@ impl LinearProgram {
             {
                 break;
             }
-            let aim = |centre: f64, predicted: Option<&Step>| {
-                let product = |a: &[f64], b: &[f64], da: Option<&[f64]>, db: Option<&[f64]>| {
-                    let second = |k: usize| da.zip(db).map_or(0.0, |(da, db)| da[k] * db[k]);
-                    let products = a.iter().zip(b).enumerate();
-                    let aims = products.map(|(k, (a, b))| centre - a * b - second(k));
-                    aims.collect::<Vec<f64>>()
-                };
-                let lower = product(
-                    &at.x,
-                    &at.z,
-                    predicted.map(|step| &step.x[..]),
-                    predicted.map(|step| &step.z[..]),
-                );
-                // The slack to the upper bound moves against the variable.
-                let opposite =
-                    predicted.map(|step| step.x.iter().map(|dx| -dx).collect::<Vec<_>>());
-                let upper = product(
-                    &at.s,
-                    &at.v,
-                    opposite.as_deref(),
-                    predicted.map(|step| &step.v[..]),
-                );
-                (lower, upper)
+            // The slack to the upper bound moves against the variable.
+            let second = |step: &Step, k: usize| (step.x[k] * step.z[k], -step.x[k] * step.v[k]);
+            let aim = |centre: f64, predicted: Option<&Step>| -> (Vec<f64>, Vec<f64>) {
+                let aims = (0..at.x.len()).map(|k| {
+                    let (lower, upper) = predicted.map_or((0.0, 0.0), |step| second(step, k));
+                    let [lower_product, upper_product] = [at.x[k] * at.z[k], at.s[k] * at.v[k]];
+                    (
+                        centre - lower_product - lower,
+                        centre - upper_product - upper,
+                    )
+                });
+                aims.unzip()
             };
             let affine = self.step(&at, &residuals, &aim(0.0, None), &weights, &mut normal);
             let reached = at.after(&affine, at.reach(&affine, 1.0)).complementarity();

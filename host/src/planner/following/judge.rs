@@ -1,29 +1,23 @@
 //! Judges configurations on the whole sheet, to which a path found on few unknowns is lifted.
 
-use core::time::Duration;
-
 use super::reduction::Reduction;
-use crate::collision::{CollisionCounts, CollisionScene, Crossing, SweepCounts};
+use crate::collision::{CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
-use crate::util::clock::Instant;
 
 /// A whole sheet that is folded at one configuration after another.
 pub(crate) struct Judge<'a> {
     pattern: &'a CreasePattern,
     reduction: &'a Reduction<'a>,
-    tree: &'a SpanningTree,
     map: FoldingMap,
     /// Depth up to which an overlap of faces is contact, median edges.
     contact: f64,
     scene: Option<CollisionScene>,
     /// `true` if judged knots keep the folded positions of the vertices.
     pub(crate) keep_vertices: bool,
-    /// Time spent folding and measuring.
-    pub(crate) fold: Duration,
 }
 
 impl<'a> Judge<'a> {
@@ -32,37 +26,30 @@ impl<'a> Judge<'a> {
         reduction: &'a Reduction<'a>,
         collision: bool,
     ) -> Self {
-        let (pattern, start) = (problem.pattern, Instant::now());
-        let tree = &reduction.tree;
-        let map = FoldingMap::flat(pattern);
-        let fold = start.elapsed();
+        let pattern = problem.pattern;
         Self {
             pattern,
             reduction,
-            tree,
-            map,
+            map: FoldingMap::flat(pattern),
             contact: problem.contact,
             scene: collision.then(|| CollisionScene::new(pattern)),
             keep_vertices: false,
-            fold,
         }
     }
 
     /// Folds the sheet at a knot, stores the measured errors in the knot, and returns the deepest crossing.
     pub(crate) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
-        let start = Instant::now();
-        self.place(&knot.angles);
-        let rigidity = self.map.rigidity(self.pattern, self.tree);
-        knot.closure = self
-            .reduction
-            .closure_of_sheet(&knot.angles)
-            .max(rigidity.twist);
-        knot.deformation = rigidity.deformation;
-        knot.gap = rigidity.gap;
+        let angles = &knot.stored.angles;
+        self.place(angles);
+        let rigidity = self.map.rigidity(self.pattern, &self.reduction.tree);
+        let closure = self.reduction.closure_of_sheet(angles);
+        knot.set_errors(Rigidity {
+            twist: closure.max(rigidity.twist),
+            ..rigidity
+        });
         if self.keep_vertices {
-            knot.vertices = self.map.vertices().to_vec();
+            knot.stored.vertices = self.map.vertices().to_vec();
         }
-        self.fold += start.elapsed();
         self.crossing()
     }
 
@@ -74,25 +61,15 @@ impl<'a> Judge<'a> {
 
     /// Folds the sheet by these group angles.
     fn place(&mut self, angles: &[f64]) {
-        let memberships = self.reduction.groups.memberships();
+        let (tree, groups) = (&self.reduction.tree, &self.reduction.groups);
         self.map
-            .fold_groups(self.pattern, self.tree, memberships, angles);
+            .fold_groups(self.pattern, tree, groups.memberships(), angles);
     }
 
     /// Returns the number of pairs that the searches for crossings looked at and skipped.
     pub(crate) fn counts(&self) -> SweepCounts {
         let counts = self.scene.as_ref().map(CollisionScene::counts);
-        let CollisionCounts {
-            pairs,
-            tested,
-            skipped_bounds,
-        } = counts.unwrap_or_default();
-        SweepCounts {
-            pairs,
-            tested,
-            skipped_bounds,
-            ..SweepCounts::default()
-        }
+        counts.unwrap_or_default()
     }
 
     fn crossing(&mut self) -> Option<Crossing> {
@@ -103,10 +80,9 @@ impl<'a> Judge<'a> {
     /// Returns the largest deformation and gap of the essential crease pattern over some configurations, and its number
     /// of faces.
     pub(crate) fn essential<'k>(
-        &mut self,
+        &self,
         configurations: impl Iterator<Item = &'k [f64]>,
     ) -> (Rigidity, usize) {
-        let start = Instant::now();
         let Some(mut part) = Part::of(self.pattern, self.reduction) else {
             return (Rigidity::default(), 0);
         };
@@ -115,7 +91,6 @@ impl<'a> Judge<'a> {
             part.fold(self.reduction, angles);
             worst = worst.worse(part.rigidity());
         }
-        self.fold += start.elapsed();
         (worst, part.pattern.faces().len())
     }
 
@@ -133,12 +108,12 @@ impl<'a> Judge<'a> {
         let mut scene = part.as_ref().map(|part| CollisionScene::new(&part.pattern));
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
-                part.fold(self.reduction, &knot.angles);
+                part.fold(self.reduction, &knot.stored.angles);
                 scene.deepest_crossing(&part.map, self.contact)?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);
-            Some((index, self.crossing_at(&knot.angles)?))
+            Some((index, self.crossing_at(&knot.stored.angles)?))
         })
     }
 }

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 use super::follow::{approach, same_signs};
-use crate::folding::{Amplification, SpanningTree};
+use crate::folding::{SpanningTree, worst_amplification};
 use crate::lattice::Lattice;
 use crate::pattern::{ClosureSite, CreasePattern, EdgeId};
 use crate::planner::closing::solver::{ClosureSolver, Work};
@@ -103,7 +103,7 @@ impl<'a> Reduction<'a> {
             limits: group_limits(&groups, options),
             groups,
             watch,
-            amplification: Amplification::new(pattern, &tree).map(|factors| factors.worst()),
+            amplification: worst_amplification(pattern, &tree),
             tree,
             expected: f64::INFINITY,
             structure: OnceLock::new(),
@@ -167,7 +167,7 @@ impl<'a> Reduction<'a> {
             &self.structure,
             self.watch,
         );
-        solver.set_limits(self.limits.clone());
+        solver.limits.clone_from(&self.limits);
         solver
     }
 
@@ -357,7 +357,7 @@ impl<'a> Reduction<'a> {
     ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
         let mut solver = self.solver(options, closure_tolerance);
-        solver.set_limits(limits);
+        solver.limits = limits;
         let found = nearest_closed(&mut solver, &asked, &signs);
         let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
         let closed = found.filter(closes).map(|angles| ClosedGoal {

@@ -33,15 +33,6 @@ pub(crate) enum End {
     },
 }
 
-/// Conditions on a closed configuration that stands for a goal.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
-    /// Largest distance of a crease from its goal angle, radians.
-    pub(crate) radians: f64,
-    /// `true` if the goal has to close to the tolerance: a local minimum of the residual does not count.
-    pub(crate) exactly: bool,
-}
-
 /// A path in group angles, and the way in which it ends.
 pub(crate) struct Route<'a> {
     pub(crate) reduction: Reduction<'a>,
@@ -56,10 +47,11 @@ pub(crate) struct Route<'a> {
     pub(crate) exactly: bool,
     /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
     pub(crate) reached: f64,
-    /// Time for closing the goal.
-    pub(crate) closing: Duration,
-    /// Time for following the motion.
+    /// Time for finding crease groups and closing the goal.
+    pub(crate) symmetry: Duration,
+    /// Time for following motions.
     pub(crate) following: Duration,
+    /// Work on all routes that were tried.
     pub(crate) work: Work,
     /// `true` if random numbers were drawn.
     pub(crate) is_random: bool,
@@ -106,21 +98,19 @@ struct RouteFinder<'a> {
 }
 
 impl<'a> Route<'a> {
-    /// Looks for a route to the goal of `problem`.
+    /// Looks for a route to the goal of `problem`, or to a closed configuration in which no crease is farther than
+    /// `reach` (radians) from its goal angle. If the goal has to close `exactly`, a local minimum of the residual does not
+    /// count.
     pub(crate) fn find(
         problem: &PlanningProblem<'_>,
         reduction: Reduction<'a>,
-        reach: Reach,
+        reach: f64,
+        exactly: bool,
     ) -> Self {
         let mut finder = RouteFinder::new(*problem, &reduction);
         let start = Instant::now();
-        let out_of_time = End::Stopped(Stop::Timeout);
-        let targets = if problem.is_late() {
-            Err(out_of_time)
-        } else {
-            finder.targets(reach)
-        };
-        let closing = start.elapsed();
+        let targets = finder.targets(reach, exactly);
+        let symmetry = start.elapsed();
         let start = Instant::now();
         let goals = problem.goal.via.len() + 1;
         let known = targets
@@ -129,7 +119,7 @@ impl<'a> Route<'a> {
             .filter(|targets| targets.len() == goals);
         let goal = known.and_then(|targets| Some(targets.last()?.angles.clone()));
         let (waypoints, end) = match targets {
-            _ if problem.is_late() => (Vec::new(), out_of_time),
+            _ if problem.is_late() => (Vec::new(), End::Stopped(Stop::Timeout)),
             Ok(targets) if problem.options.search == Search::Random => {
                 finder.random(&targets, SEARCH_RESTARTS)
             }
@@ -156,9 +146,9 @@ impl<'a> Route<'a> {
             goal,
             closure_tolerance,
             end,
-            exactly: reach.exactly,
+            exactly,
             reached,
-            closing,
+            symmetry,
             following: start.elapsed(),
             work,
             is_random,
@@ -216,13 +206,17 @@ impl<'a> RouteFinder<'a> {
         let mut solver = self
             .reduction
             .solver(self.problem.options, closure_tolerance);
-        solver.set_limits(self.reduction.orthant(&self.signs));
-        solver.at_most(MAX_ITERATIONS)
+        solver.limits = self.reduction.orthant(&self.signs);
+        solver.max_iterations = MAX_ITERATIONS;
+        solver
     }
 
     /// Returns the closed configurations to pass through, with the goal last; without the goal if it is not a
-    /// configuration. `Err` names the phase that does not close.
-    fn targets(&mut self, reach: Reach) -> Result<Vec<ClosedGoal>, End> {
+    /// configuration. `Err` names the phase that does not close, or tells that time ran out.
+    fn targets(&mut self, reach: f64, exactly: bool) -> Result<Vec<ClosedGoal>, End> {
+        if self.problem.is_late() {
+            return Err(End::Stopped(Stop::Timeout));
+        }
         let mut targets = Vec::new();
         let goals = self.problem.goal.via.iter().chain([self.problem.goal]);
         for (index, goal) in goals.enumerate() {
@@ -235,11 +229,11 @@ impl<'a> RouteFinder<'a> {
             let goes_near = self.problem.goes_near && last;
             let near = |closed: &ClosedGoal| {
                 goes_near
-                    || closed.error <= reach.radians.min(goal.reach)
-                    && !(reach.exactly && closed.closure_tolerance > 0.0)
+                    || closed.error <= reach.min(goal.reach)
+                    && !(exactly && closed.closure_tolerance > 0.0)
                     // If the goal closes as asked, but only nearly in these groups, the groups are not a symmetry of
                     // the goal.
-                    && (reach.radians > SAME_RAD || self.reduction.closure(&closed.angles) <= CLOSED)
+                    && (reach > SAME_RAD || self.reduction.closure(&closed.angles) <= CLOSED)
             };
             // The flat sheet always closes, but is not what was asked for.
             let asked = largest(&goal.fold_angles);
@@ -320,16 +314,7 @@ impl<'a> RouteFinder<'a> {
             closure_tolerance: self.closure_tolerance,
             ..RouteFinder::new(problem, self.reduction)
         };
-        let reach = Reach {
-            radians: guide.reach,
-            exactly: false,
-        };
-        let out_of_time = End::Stopped(Stop::Timeout);
-        let targets = if problem.is_late() {
-            Err(out_of_time)
-        } else {
-            finder.targets(reach)
-        };
+        let targets = finder.targets(guide.reach, false);
         let best = targets.map(|targets| finder.best(&targets));
         self.work += finder.work;
         self.is_random |= finder.is_random;
@@ -586,7 +571,8 @@ impl<'a> RouteFinder<'a> {
         } else {
             self.reduction.closure_tolerance(options)
         };
-        let mut solver = self.solver(tolerance).content_with(tolerance);
+        let mut solver = self.solver(tolerance);
+        solver.tolerance = solver.tolerance.max(tolerance);
         let mut judge = Judge::new(&self.problem, self.reduction, options.collision && !exact);
         let closed = targets.last().map(|closed| closed.angles.as_slice());
         let asked: Vec<Option<f64>> = match closed {
@@ -594,12 +580,10 @@ impl<'a> RouteFinder<'a> {
             None => self.asked.clone(),
         };
         let feasible = &mut |angles: &[f64]| {
-            let mut knot = Knot {
-                angles: angles.to_vec(),
-                ..Knot::default()
-            };
+            let mut knot = Knot::at(angles.to_vec());
             let crossing = judge.judge(&mut knot);
-            crossing.is_none() && knot.deformation <= options.bound && knot.gap <= options.bound
+            let errors = knot.errors();
+            crossing.is_none() && errors.deformation <= options.bound && errors.gap <= options.bound
         };
         let followed = search(
             &mut solver,

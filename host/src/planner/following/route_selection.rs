@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use super::follow::Waypoint;
 use super::reduction::{CLOSED, Reduction, SAME_RAD};
-use super::route::{End, Reach, Route};
+use super::route::{End, Route};
 use crate::planner::Symmetry;
 use crate::planner::closing::solver::Work;
 use crate::planner::problem::{ErrorModel, PlanningProblem};
@@ -18,7 +18,8 @@ use crate::util::clock::Instant;
 /// less symmetry or moved coordinates.
 pub(crate) const FARTHER_RATIO: f64 = 0.01;
 
-/// The route that leads farthest, with what was found on the way to it.
+/// The route that leads farthest, with what was found on the way to it. Its notes, times and work are those of all
+/// routes that were tried.
 pub(crate) struct SelectedRoute<'a> {
     pub(crate) route: Route<'a>,
     /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
@@ -27,13 +28,6 @@ pub(crate) struct SelectedRoute<'a> {
     /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
     /// residual was needed.
     pub(crate) asked_closure: Option<f64>,
-    pub(crate) notes: Vec<Note>,
-    /// Time for finding groups and closing the goal.
-    pub(crate) symmetry: Duration,
-    /// Time for following motions.
-    pub(crate) following: Duration,
-    /// Work on all routes that were tried.
-    pub(crate) work: Work,
 }
 
 /// Finds the route that leads farthest. Returns `None` if the error model changes nothing of this sheet, or allows no
@@ -63,16 +57,13 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
     let mut notes = Vec::new();
     let mut best: Option<Route<'_>> = None;
     let mut symmetric: Option<Reduction<'_>> = None;
-    let without = core::iter::once_with(|| Proposal {
-        groups: CreaseGroups::trivial(pattern),
-        exactly: false,
-    });
-    for Proposal { groups, exactly } in proposals.into_iter().chain(without) {
+    let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
+    for (groups, exactly) in proposals.into_iter().chain(without) {
         let start = Instant::now();
         problem.watch.begin(Stage::Symmetry);
         // A goal far away is not what was asked for: with every crease free, one may be nearer. If the goal closes as
         // asked, with every crease on its own, a goal beside it is not what was asked for either.
-        let radians = if exact && !groups.is_trivial() {
+        let reach = if exact && !groups.is_trivial() {
             SAME_RAD
         } else {
             goal.reach
@@ -80,8 +71,8 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
         let reduction = Reduction::of(problem, groups);
         symmetry += start.elapsed();
         problem.watch.begin(Stage::Following);
-        let route = Route::find(problem, reduction, Reach { radians, exactly });
-        symmetry += route.closing;
+        let route = Route::find(problem, reduction, reach, exactly);
+        symmetry += route.symmetry;
         following += route.following;
         work += route.work;
         let dropped = match best.take() {
@@ -108,14 +99,18 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
             break;
         }
     }
+    let mut route = best?;
+    notes.append(&mut route.notes);
     Some(SelectedRoute {
-        route: best?,
+        route: Route {
+            notes,
+            symmetry,
+            following,
+            work,
+            ..route
+        },
         symmetric,
         asked_closure,
-        notes,
-        symmetry,
-        following,
-        work,
     })
 }
 
@@ -131,12 +126,8 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<S
     } = *problem;
     let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
     let (reduction, turned) = reduction.snapped(pattern, goal, options, coarse)?;
-    let reach = Reach {
-        radians: goal.reach,
-        exactly: false,
-    };
     let symmetry = start.elapsed();
-    let mut route = Route::find(problem, reduction, reach);
+    let mut route = Route::find(problem, reduction, goal.reach, false);
     let reduction = &route.reduction;
     let open = |waypoint: &Waypoint| reduction.closure_of_sheet(&waypoint.angles);
     let closes = |waypoint| open(waypoint) <= reduction.closure_tolerance(options);
@@ -144,37 +135,26 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<S
         return None;
     }
     route.notes.push(Note::Snapped { turned });
+    route.symmetry += symmetry;
     Some(SelectedRoute {
+        route,
         symmetric: None,
         asked_closure: None,
-        notes: Vec::new(),
-        symmetry: symmetry + route.closing,
-        following: route.following,
-        work: route.work,
-        route,
     })
 }
 
-/// Crease groups to try.
-struct Proposal {
-    groups: CreaseGroups,
-    /// `true` if the goal has to close exactly under them.
-    exactly: bool,
-}
-
-/// Returns crease groups to try one after the other. Groups of a finer symmetry fold the sheet more exactly, if they
-/// fold it at all.
-fn proposals(problem: &PlanningProblem<'_>) -> Vec<Proposal> {
+/// Returns crease groups to try one after the other, each with `true` if the goal has to close exactly under them. Groups
+/// of a finer symmetry fold the sheet more exactly, if they fold it at all.
+fn proposals(problem: &PlanningProblem<'_>) -> Vec<(CreaseGroups, bool)> {
     let pattern = problem.pattern;
     let mut found = Vec::new();
     if problem.options.symmetry == Symmetry::Auto {
         let groups = CreaseGroups::find_until(pattern, problem.watch);
         let fine = groups.is_rough().then(|| CreaseGroups::find_exact(pattern));
-        let proposal = |exactly| move |groups| Proposal { groups, exactly };
-        found.extend(fine.clone().map(proposal(true)));
-        found.push(proposal(false)(groups));
-        found.extend(fine.map(proposal(false)));
+        found.extend(fine.clone().map(|fine| (fine, true)));
+        found.push((groups, false));
+        found.extend(fine.map(|fine| (fine, false)));
     }
-    found.retain(|proposal| !proposal.groups.is_trivial());
+    found.retain(|(groups, _)| !groups.is_trivial());
     found
 }

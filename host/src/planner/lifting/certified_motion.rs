@@ -98,123 +98,67 @@ impl Placement {
     }
 }
 
-/// Places knots on the path, certified between them.
-pub(crate) fn place_knots(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    candidate: &CandidatePath<'_>,
-    path: &ReducedPath,
-) -> Placement {
-    let start = Instant::now();
-    problem.watch.begin(Stage::Placing);
-    let placing = Placing {
-        problem,
-        reduction,
-        candidate,
-        path,
-    };
-    let bound = problem.options.bound.min(CERTIFIED_DEFORMATION);
-    let aim = reduction.tolerance(bound * candidate.bound_fraction);
-    let open = max_residual(&reduction.essential, candidate);
-    let placement = if problem.errors.is_measured() {
-        placing.measured().unwrap_or_default()
-    } else if open <= CLOSED {
-        placing.closed(aim).unwrap_or_default()
-    } else {
-        let nearly = open <= aim / RESIDUAL_RATIO;
-        let closed = nearly.then(|| placing.closed(aim)).flatten();
-        let closed = closed.unwrap_or_default();
-        if closed.keeps(problem.options.bound) {
-            closed
-        } else {
-            placing.nearly_closed().or_bounds_of(&closed)
-        }
-    };
-    Placement {
-        time: start.elapsed(),
-        ..placement
-    }
-}
-
-/// Returns the failure to place knots.
-pub(crate) fn unplaced(problem: &PlanningProblem<'_>) -> Failure {
-    if problem.is_late() {
-        return Failure::out_of_time(TimeoutAt::PlacingKnots);
-    }
-    Failure {
-        outcome: Outcome::Partial,
-        reason: Reason::TooManyKnots {
-            budget: knot_budget(problem),
-        },
-        kept: 0.0,
-    }
-}
-
-/// The part of a motion that is proved to keep the bound.
-pub(crate) struct ProvedPart {
-    /// Deformation that is certified of the whole motion, over the bound.
-    pub(crate) whole: f64,
-    /// Bounds on this part.
-    pub(crate) certificate: Certificate,
-    /// Largest difference of a crease at the end of this part from the goal as asked, radians.
-    pub(crate) goal_error: f64,
-    /// Fraction of the path that this part goes.
-    pub(crate) fraction: f64,
-}
-
-/// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
-/// known to close well enough. Returns `None` if the motion stays as it is.
-pub(crate) fn cut(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    path: &ReducedPath,
-    certificate: Certificate,
-    knots: &mut KnotSequence,
-) -> Option<ProvedPart> {
-    let whole = certificate.over(problem.options.bound)?;
-    if !knots.cut() {
-        return None;
-    }
-    let certificate = certify(problem, reduction, &reduction.all, knots);
-    let end = &knots.knots.last()?.angles;
-    Some(ProvedPart {
-        whole,
-        certificate,
-        goal_error: reduction.distance(end, problem.goal),
-        fraction: path.fraction(end),
-    })
-}
-
-/// The purpose for which knots are placed.
+/// The lifting of a path to the whole sheet.
 #[derive(Clone, Copy)]
-struct Placing<'a> {
-    problem: &'a PlanningProblem<'a>,
-    reduction: &'a Reduction<'a>,
-    candidate: &'a CandidatePath<'a>,
-    path: &'a ReducedPath,
+pub(crate) struct Lifting<'a> {
+    pub(crate) problem: &'a PlanningProblem<'a>,
+    pub(crate) reduction: &'a Reduction<'a>,
+    pub(crate) candidate: &'a CandidatePath<'a>,
+    /// The candidate as geometry.
+    pub(crate) path: &'a ReducedPath,
 }
 
-/// Conditions on the motion between knots.
-struct Between<'a> {
-    /// Stars and loops that have to close.
-    stars: &'a ReducedStars,
-    /// Largest closure residual; `None` for any.
-    closure: Option<f64>,
-    /// Bounds that the whole sheet has to keep, if any.
-    sheet: Option<SheetBounds<'a>>,
-    /// Largest number of knots.
-    knot_budget: usize,
-}
+impl Lifting<'_> {
+    /// Places knots on the path, certified between them.
+    pub(crate) fn place_knots(&self) -> Placement {
+        let start = Instant::now();
+        let (problem, reduction) = (self.problem, self.reduction);
+        problem.watch.begin(Stage::Placing);
+        let bound = problem.options.bound.min(CERTIFIED_DEFORMATION);
+        let aim = reduction.tolerance(bound * self.candidate.bound_fraction);
+        let open = self.max_residual(&reduction.essential);
+        let placement = if problem.errors.is_measured() {
+            self.measured().unwrap_or_default()
+        } else if open <= CLOSED {
+            self.closed(aim).unwrap_or_default()
+        } else {
+            let nearly = open <= aim / RESIDUAL_RATIO;
+            let closed = nearly.then(|| self.closed(aim)).flatten();
+            let closed = closed.unwrap_or_default();
+            if closed.keeps(problem.options.bound) {
+                closed
+            } else {
+                self.nearly_closed().or_bounds_of(&closed)
+            }
+        };
+        Placement {
+            time: start.elapsed(),
+            ..placement
+        }
+    }
 
-impl<'a> Placing<'a> {
+    /// Returns the failure to place knots.
+    pub(crate) fn unplaced(&self) -> Failure {
+        if self.problem.is_late() {
+            return Failure::out_of_time(TimeoutAt::PlacingKnots);
+        }
+        Failure {
+            outcome: Outcome::Partial,
+            reason: Reason::TooManyKnots {
+                budget: self.knot_budget(),
+            },
+            kept: 0.0,
+        }
+    }
+
     /// Places knots if the waypoints close: between knots the motion has to close to within `aim`.
     fn closed(&self, aim: f64) -> Option<Placement> {
-        let knots = self.place(Between {
-            stars: &self.reduction.essential,
-            closure: Some(aim),
-            sheet: None,
-            knot_budget: knot_budget(self.problem),
-        })?;
+        let knots = self.place(
+            &self.reduction.essential,
+            Some(aim),
+            None,
+            self.knot_budget(),
+        )?;
         let certificate = self.certify(&self.reduction.all, &knots);
         Some(Placement::new(knots, certificate))
     }
@@ -226,18 +170,13 @@ impl<'a> Placing<'a> {
     /// vertices' errors is the actual sum bounded, by folding the sheet.
     fn nearly_closed(&self) -> Placement {
         let (bound, reduction) = (self.problem.options.bound, self.reduction);
-        let knot_budget = knot_budget(self.problem);
+        let knot_budget = self.knot_budget();
         let few = knot_budget.min(KNOTS_PER_WAYPOINT * self.candidate.waypoints.len());
         let near = |all: &ReducedStars, stars: &ReducedStars| -> Placement {
-            let open = max_residual(stars, self.candidate);
-            let knots = self.place(Between {
-                stars,
-                closure: Some(RESIDUAL_RATIO * open),
-                sheet: None,
-                knot_budget: few,
-            });
+            let open = self.max_residual(stars);
+            let knots = self.place(stars, Some(RESIDUAL_RATIO * open), None, few);
             knots.map_or_else(Placement::default, |knots| {
-                let certificate = bound_from_vertices(self.problem, reduction, all, &knots);
+                let certificate = self.bound_from_vertices(all, &knots);
                 Placement::new(knots, certificate)
             })
         };
@@ -251,14 +190,9 @@ impl<'a> Placing<'a> {
         if singly.keeps(bound) {
             return singly;
         }
-        let every = self.place(Between {
-            stars: &stars,
-            closure: None,
-            sheet: None,
-            knot_budget,
-        });
+        let every = self.place(&stars, None, None, knot_budget);
         if let Some(knots) = &every {
-            let certificate = bound_from_vertices(self.problem, reduction, &apart, knots);
+            let certificate = self.bound_from_vertices(&apart, knots);
             if certificate.over(bound).is_none() {
                 return Placement {
                     certificate: Some(certificate),
@@ -303,110 +237,99 @@ impl<'a> Placing<'a> {
                 return None;
             }
         }
-        let knots = self.place(Between {
-            stars: &self.reduction.essential,
-            closure: Some(aim),
-            sheet: Some(SheetBounds {
-                certifier,
-                aim,
-                bound,
-            }),
-            knot_budget: knot_budget(self.problem),
-        })?;
+        let sheet = SheetBounds {
+            certifier,
+            aim,
+            bound,
+        };
+        let knots = self.place(
+            &self.reduction.essential,
+            Some(aim),
+            Some(sheet),
+            self.knot_budget(),
+        )?;
         let certificate = self.certify(&self.reduction.all, &knots);
         Some(Placement::new(knots, certificate))
     }
 
-    fn certify(&self, all: &ReducedStars, knots: &KnotSequence) -> Certificate {
-        certify(self.problem, self.reduction, all, knots)
-    }
-
-    /// Places knots on the path, between which these conditions hold.
-    fn place(&self, between: Between<'_>) -> Option<KnotSequence> {
+    /// Places at most `knot_budget` knots on the path. Between them these stars and loops close to within `closure`,
+    /// `None` for any residual, and the whole sheet keeps the bounds of `sheet`, if there are any.
+    fn place(
+        &self,
+        stars: &ReducedStars,
+        closure: Option<f64>,
+        sheet: Option<SheetBounds<'_>>,
+        knot_budget: usize,
+    ) -> Option<KnotSequence> {
         let (reduction, options) = (self.reduction, self.problem.options);
         let (_, signs) = reduction.asked(self.problem.goal);
         let limits = reduction.orthant(&signs);
         let mut solver = reduction.solver(options, self.candidate.closure_tolerance);
-        solver.set_limits(limits.clone());
+        solver.limits.clone_from(&limits);
         let constraints = PlacementConstraints {
-            stars: between.stars,
-            closure: between.closure,
-            sheet: between.sheet,
+            stars,
+            closure,
+            sheet,
             limits: &limits,
             speed: options.max_speed,
             acceleration: options.max_acceleration.unwrap_or(f64::INFINITY),
-            knot_budget: between.knot_budget,
+            knot_budget,
         };
         place(self.path, &constraints, &mut solver, options)
     }
-}
 
-/// Returns the largest number of knots of a path.
-fn knot_budget(problem: &PlanningProblem<'_>) -> usize {
-    problem.options.max_knots.unwrap_or(MAX_KNOTS)
-}
-
-/// Returns the largest residual of these stars over all waypoints.
-fn max_residual(stars: &ReducedStars, candidate: &CandidatePath<'_>) -> f64 {
-    let waypoints = candidate.waypoints.iter();
-    let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
-    open.fold(0.0, larger)
-}
-
-/// Turns the closure bound of every vertex into worst-case bounds on the whole sheet; `all` are the stars of all
-/// vertices.
-fn bound_from_vertices(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    all: &ReducedStars,
-    knots: &KnotSequence,
-) -> Certificate {
-    let closure = knots.closure();
-    let sheet = SheetCertifier::new(problem.pattern, &reduction.tree, all);
-    Certificate {
-        closure: sheet.as_ref().map(|sheet| sheet.closure(&closure)),
-        deformation: sheet.map_or(f64::INFINITY, |mut sheet| {
-            let bounds = sheet.rigidity(&closure);
-            bounds.deformation.max(bounds.gap)
-        }),
+    /// Returns the largest number of knots of a path.
+    fn knot_budget(&self) -> usize {
+        self.problem.options.max_knots.unwrap_or(MAX_KNOTS)
     }
-}
 
-/// Bounds the sheet as [`bound_from_vertices`] does. If the worst case is over the bound, bounds the sheet itself,
-/// folded from its middle and from its rim.
-fn certify(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    all: &ReducedStars,
-    knots: &KnotSequence,
-) -> Certificate {
-    let certificate = bound_from_vertices(problem, reduction, all, knots);
-    if certificate.over(problem.options.bound).is_none() {
-        return certificate;
+    /// Returns the largest residual of these stars over all waypoints.
+    fn max_residual(&self, stars: &ReducedStars) -> f64 {
+        let waypoints = self.candidate.waypoints.iter();
+        let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
+        open.fold(0.0, larger)
     }
-    let folded = bound_whole_sheet(problem, reduction, knots);
-    Certificate {
-        deformation: folded.unwrap_or(certificate.deformation),
-        ..certificate
-    }
-}
 
-/// Returns a bound on deformation and gap of the sheet folded from its middle and from its rim, if that is within the
-/// bound and found in time.
-fn bound_whole_sheet(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    knots: &KnotSequence,
-) -> Option<f64> {
-    let memberships = reduction.groups.memberships();
-    let mut certifier = FoldingCertifier::new(problem.pattern, memberships);
-    let mut worst = 0.0;
-    for curves in curves(knots.interpolation, &knots.knots) {
-        if problem.is_late() {
-            return None;
+    /// Turns the closure bound of every vertex into worst-case bounds on the whole sheet; `all` are the stars of all
+    /// vertices.
+    fn bound_from_vertices(&self, all: &ReducedStars, knots: &KnotSequence) -> Certificate {
+        let sheet = SheetCertifier::new(self.problem.pattern, &self.reduction.tree, all);
+        Certificate {
+            closure: sheet.as_ref().map(|sheet| sheet.closure(&knots.closure)),
+            deformation: sheet.map_or(f64::INFINITY, |mut sheet| {
+                let bounds = sheet.rigidity(&knots.closure);
+                bounds.deformation.max(bounds.gap)
+            }),
         }
-        let bounds = certifier.rigidity(&curves, problem.options.bound)?;
-        worst = larger(worst, bounds.worst());
     }
-    Some(worst)
+
+    /// Bounds the sheet as [`bound_from_vertices`](Self::bound_from_vertices) does. If the worst case is over the bound,
+    /// bounds the sheet itself, folded from its middle and from its rim.
+    pub(crate) fn certify(&self, all: &ReducedStars, knots: &KnotSequence) -> Certificate {
+        let certificate = self.bound_from_vertices(all, knots);
+        if certificate.over(self.problem.options.bound).is_none() {
+            return certificate;
+        }
+        let folded = self.bound_whole_sheet(knots);
+        Certificate {
+            deformation: folded.unwrap_or(certificate.deformation),
+            ..certificate
+        }
+    }
+
+    /// Returns a bound on deformation and gap of the sheet folded from its middle and from its rim, if that is within
+    /// the bound and found in time.
+    fn bound_whole_sheet(&self, knots: &KnotSequence) -> Option<f64> {
+        let memberships = self.reduction.groups.memberships();
+        let mut certifier = FoldingCertifier::new(self.problem.pattern, memberships);
+        let mut worst = 0.0;
+        for curves in curves(knots.interpolation, &knots.knots) {
+            if self.problem.is_late() {
+                return None;
+            }
+            let bounds = certifier.rigidity(&curves, self.problem.options.bound)?;
+            worst = larger(worst, bounds.worst());
+        }
+        Some(worst)
+    }
 }

@@ -1,18 +1,15 @@
 //! Looks for crossings of a motion that is placed and measured: along the lattice of a tessellation, over the whole
 //! motion, or at the knots alone.
 
-use core::time::Duration;
-
-use super::certified_motion::CandidatePath;
-use crate::collision::{Crossing, SearchEffort, SweepCounts, SweepOptions};
+use super::certified_motion::Lifting;
+use crate::collision::{Crossing, SearchEffort, SweepOptions};
 use crate::lattice::Lattice;
 use crate::planner::following::judge::Judge;
-use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::following::reduction::CLOSED;
 use crate::planner::knots::Knot;
 use crate::planner::options::Skips;
 use crate::planner::plan::{Failure, Outcome, Plan};
-use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{Reason, TimeoutAt};
+use crate::planner::reason::{Reason, TimeoutAt, Undecided};
 use crate::util::clock::Instant;
 
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
@@ -43,122 +40,93 @@ pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) ->
     }
 }
 
-/// Returns the lattice along which to look for crossings, if there is one and it may be used.
-pub(crate) fn lattice<'r>(
-    problem: &PlanningProblem<'_>,
-    reduction: &'r Reduction<'_>,
-) -> Option<&'r Lattice> {
-    let used = problem.options.skips.symmetry;
-    used.then(|| reduction.lattice(problem.pattern)).flatten()
-}
-
-/// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
-/// whether layers that move together pass through each other is then hard to tell.
-pub(crate) fn tears_hide_contact(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    plan: &Plan,
-) -> bool {
-    let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
-    let angles = plan.path.knots.iter().flat_map(|knot| &knot.angles);
-    let touches = angles.copied().any(|angle| angle.abs() >= flat);
-    let holonomy = reduction.tree.holonomy(problem.pattern).filter(|_| touches);
-    let (Some(holonomy), Some(closure)) = (holonomy, plan.certified_closure) else {
-        return false;
-    };
-    let length = reduction.tree.reach(problem.pattern);
-    let tears = holonomy.tears(closure).into_iter();
-    let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
-    sum > HIDING_RATIO * SweepOptions::default().contact * problem.pattern.median_edge()
-}
-
-/// Returns the first knot at which faces of a torn sheet cross, and the crossing: a second look, at whole shapes.
-pub(crate) fn crossed_knot(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    knots: &[Knot],
-    max_closure: f64,
-) -> Option<(usize, Crossing)> {
-    let mut judge = Judge::new(problem, reduction, false);
-    judge.first_crossing(knots, max_closure <= CLOSED)
-}
-
-/// Returns `true` if faces cross at a waypoint by more than any motion is off the path: however near to the path a
-/// motion is, it crosses there.
-pub(crate) fn is_blocked(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    candidate: &CandidatePath<'_>,
-) -> bool {
-    let mut judge = Judge::new(problem, reduction, true);
-    let deep = BLOCKING_DEPTH * problem.pattern.median_edge();
-    let mut waypoints = candidate
-        .waypoints
-        .iter()
-        .take_while(|_| !problem.is_late());
-    waypoints.any(|waypoint| {
-        let crossing = judge.crossing_at(&waypoint.angles);
-        crossing.is_some_and(|crossing| crossing.depth > deep)
-    })
-}
-
-/// Result of a search for crossings at the knots alone.
-pub(crate) struct SweptKnots {
-    /// The first knot at which faces cross or time ran out, and the crossing.
-    pub(crate) end: Option<(usize, Option<Crossing>)>,
-    pub(crate) counts: SweepCounts,
-    /// Time spent.
-    pub(crate) time: Duration,
-}
-
-/// Looks for crossings of all faces at the knots.
-pub(crate) fn sweep_knots(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    knots: &[Knot],
-) -> SweptKnots {
-    let start = Instant::now();
-    let mut judge = Judge::new(problem, reduction, true);
-    let end = first_crossed(problem, knots, |angles| judge.crossing_at(angles));
-    SweptKnots {
-        end,
-        counts: judge.counts(),
-        time: start.elapsed(),
+impl<'a> Lifting<'a> {
+    /// Returns the lattice along which to look for crossings, if there is one and it may be used.
+    pub(crate) fn lattice(&self) -> Option<&'a Lattice> {
+        let used = self.problem.options.skips.symmetry;
+        used.then(|| self.reduction.lattice(self.problem.pattern))
+            .flatten()
     }
-}
 
-/// Returns the first knot at which faces cross or time ran out, and the crossing.
-fn first_crossed(
-    problem: &PlanningProblem<'_>,
-    knots: &[Knot],
-    mut crossing_at: impl FnMut(&[f64]) -> Option<Crossing>,
-) -> Option<(usize, Option<Crossing>)> {
-    // A flat sheet has no crossings, as its faces lie beside each other.
-    let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
-    let mut turned = knots.iter().enumerate().filter(turned);
-    turned.find_map(|(index, knot)| {
-        if problem.is_late() {
-            return Some((index, None));
-        }
-        Some((index, Some(crossing_at(&knot.angles)?)))
-    })
-}
+    /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
+    /// whether layers that move together pass through each other is then hard to tell.
+    pub(crate) fn tears_hide_contact(&self, plan: &Plan) -> bool {
+        let (pattern, tree) = (self.problem.pattern, &self.reduction.tree);
+        let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
+        let angles = plan.path.knots.iter().flat_map(|knot| &knot.stored.angles);
+        let touches = angles.copied().any(|angle| angle.abs() >= flat);
+        let holonomy = tree.holonomy(pattern).filter(|_| touches);
+        let (Some(holonomy), Some(closure)) = (holonomy, plan.certified_closure) else {
+            return false;
+        };
+        let length = tree.reach(pattern);
+        let tears = holonomy.tears(closure).into_iter();
+        let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
+        sum > HIDING_RATIO * SweepOptions::default().contact * pattern.median_edge()
+    }
 
-/// Returns the failure of a path that ends before a knot at which faces cross, or time ran out.
-pub(crate) fn ends_at_knot(knots: &[Knot], index: usize, crossing: Option<Crossing>) -> Failure {
-    let Some(crossing) = crossing else {
-        return Failure::out_of_time(TimeoutAt::JudgingKnot(index));
-    };
-    let last = knots.last().map_or(1.0, |last| last.time);
-    let before = index
-        .checked_sub(1)
-        .map_or(0.0, |before| knots[before].time);
-    Failure {
-        outcome: Outcome::Crossing(crossing),
-        reason: Reason::CrossesAtKnot {
-            faces: crossing.faces,
-            knot: index,
-        },
-        kept: before / last,
+    /// Returns the first knot at which faces of a torn sheet cross, and the crossing: a second look, at whole shapes.
+    pub(crate) fn crossed_knot(&self, plan: &Plan) -> Option<(usize, Crossing)> {
+        let mut judge = Judge::new(self.problem, self.reduction, false);
+        judge.first_crossing(&plan.path.knots, plan.max_closure <= CLOSED)
+    }
+
+    /// Returns `true` if faces cross at a waypoint by more than any motion is off the path: however near to the path a
+    /// motion is, it crosses there.
+    pub(crate) fn is_blocked(&self) -> bool {
+        let problem = self.problem;
+        let mut judge = Judge::new(problem, self.reduction, true);
+        let deep = BLOCKING_DEPTH * problem.pattern.median_edge();
+        let waypoints = self.candidate.waypoints.iter();
+        let mut waypoints = waypoints.take_while(|_| !problem.is_late());
+        waypoints.any(|waypoint| {
+            let crossing = judge.crossing_at(&waypoint.angles);
+            crossing.is_some_and(|crossing| crossing.depth > deep)
+        })
+    }
+
+    /// Looks for crossings of all faces at the knots alone. Ends the path before the first, or else leaves the question
+    /// open.
+    pub(crate) fn sweep_no_more_than_knots(&self, mut plan: Plan) -> Plan {
+        let start = Instant::now();
+        let mut judge = Judge::new(self.problem, self.reduction, true);
+        let knots = &plan.path.knots;
+        // A flat sheet has no crossings, as its faces lie beside each other.
+        let turned =
+            |(_, knot): &(usize, &Knot)| knot.stored.angles.iter().any(|&angle| angle != 0.0);
+        let mut turned = knots.iter().enumerate().filter(turned);
+        let end = turned.find_map(|(index, knot)| {
+            if self.problem.is_late() {
+                return Some((index, None));
+            }
+            Some((index, Some(judge.crossing_at(&knot.stored.angles)?)))
+        });
+        plan.times.collision += start.elapsed();
+        plan.collision = judge.counts();
+        let (index, crossing) = match end {
+            Some((index, Some(crossing))) => (index, crossing),
+            Some((index, None)) => {
+                return plan.ended(Failure::out_of_time(TimeoutAt::JudgingKnot(index)));
+            }
+            None => {
+                let faces = self.problem.pattern.faces().len();
+                plan.undecided.push(Undecided::CrossingsAtKnots { faces });
+                return plan;
+            }
+        };
+        let last = knots.last().map_or(1.0, |last| last.stored.time);
+        let before = index
+            .checked_sub(1)
+            .map_or(0.0, |before| knots[before].stored.time);
+        let failure = Failure {
+            outcome: Outcome::Crossing(crossing),
+            reason: Reason::CrossesAtKnot {
+                faces: crossing.faces,
+                knot: index,
+            },
+            kept: before / last,
+        };
+        plan.path.knots.truncate(index);
+        plan.ended(failure)
     }
 }

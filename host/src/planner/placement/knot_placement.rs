@@ -52,7 +52,7 @@ pub(crate) struct KnotSequence {
     pub(crate) interpolation: Interpolation,
     pub(crate) knots: Vec<Knot>,
     /// Bounds on the closure over the whole motion.
-    bounds: Bounds,
+    pub(crate) closure: Closure,
     /// First segment that does not keep the closure condition, if any.
     open: Option<Open>,
 }
@@ -63,48 +63,17 @@ struct Open {
     /// Path length to the start of the segment.
     arc_length: f64,
     /// Bounds on the closure before the segment.
-    before: Bounds,
-}
-
-/// Bounds on the closure over a part of the motion.
-#[derive(Clone)]
-struct Bounds {
-    /// Bound for each star.
-    stars: Vec<f64>,
-    /// Bounds for the rotation and the translation of each loop.
-    loops: Vec<[f64; 2]>,
-}
-
-impl Bounds {
-    fn closure(&self) -> Closure<'_> {
-        Closure {
-            stars: &self.stars,
-            loops: &self.loops,
-        }
-    }
-
-    /// Extends the bounds to another part of the motion.
-    fn take_in(&mut self, other: &Self) {
-        let loops = self.loops.as_flattened_mut().iter_mut();
-        let others = other.stars.iter().chain(other.loops.as_flattened());
-        for (worst, bound) in self.stars.iter_mut().chain(loops).zip(others) {
-            *worst = worst.max(*bound);
-        }
-    }
+    before: Closure,
 }
 
 impl KnotSequence {
-    pub(crate) fn closure(&self) -> Closure<'_> {
-        self.bounds.closure()
-    }
-
     /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
     pub(crate) fn cut(&mut self) -> bool {
         let Some(open) = self.open.take() else {
             return false;
         };
         self.knots.truncate(open.segment + 1);
-        self.bounds = open.before;
+        self.closure = open.before;
         true
     }
 
@@ -117,7 +86,7 @@ impl KnotSequence {
 
     /// Returns the seconds from the first knot to the last.
     fn duration(&self) -> f64 {
-        self.knots.last().map_or(0.0, |last| last.time)
+        self.knots.last().map_or(0.0, |last| last.stored.time)
     }
 }
 
@@ -202,10 +171,8 @@ pub(crate) fn place(
 fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
     let groups = constraints.limits.len();
     let parts = (MAX_GRID_ANGLES / groups.max(1)).clamp(1, MAX_INTERVALS);
-    match path.fastest(parts, constraints.speed, constraints.acceleration) {
-        Ok(law) => TimeLaw::Optimal(law),
-        Err(_) => TimeLaw::ArcLength,
-    }
+    let law = path.fastest(parts, constraints.speed, constraints.acceleration);
+    law.map_or(TimeLaw::ArcLength, TimeLaw::Optimal)
 }
 
 /// Returns the time laws with which an interpolation may need few knots.
@@ -245,7 +212,7 @@ struct KnotPlacer<'a, 's> {
     found: Vec<PathPoint>,
     curves: Vec<Curve<f64>>,
     /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
-    known: HashMap<[u64; 2], Bounds>,
+    known: HashMap<[u64; 2], Closure>,
 }
 
 /// Fraction by which a hinge may exceed its limits before time is stretched at the end.
@@ -274,14 +241,12 @@ impl KnotPlacer<'_, '_> {
             .arc_lengths()
             .first()
             .map(|_| self.path.point(0))?;
+        let mut knot = Knot::at(first.angles);
+        knot.stored.rates = vec![0.0; knot.stored.angles.len()];
         Some(KnotSequence {
             interpolation: Interpolation::Hermite,
-            knots: vec![Knot {
-                rates: vec![0.0; first.angles.len()],
-                angles: first.angles,
-                ..Knot::default()
-            }],
-            bounds: self.closed(),
+            knots: vec![knot],
+            closure: self.closed(),
             open: None,
         })
     }
@@ -435,7 +400,7 @@ impl KnotPlacer<'_, '_> {
             return Some(false);
         }
         let bounds = self.bounds();
-        let closes = bounds.closure().worst() <= max_residual;
+        let closes = bounds.worst() <= max_residual;
         let fits = closes && self.deforms_within(|sheet| sheet.aim);
         if fits {
             self.known.insert(key(from, to), bounds);
@@ -454,19 +419,15 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Returns bounds on the closure over the present curves.
-    fn bounds(&mut self) -> Bounds {
+    fn bounds(&mut self) -> Closure {
         let stars = self.constraints.stars;
         let (stars, loops) = (stars.view(), stars.loops());
-        let Closure { stars, loops } = self.certifier.closure(stars, loops, &self.curves);
-        Bounds {
-            stars: stars.to_vec(),
-            loops: loops.to_vec(),
-        }
+        self.certifier.closure(stars, loops, &self.curves).clone()
     }
 
     /// Returns the bounds of a motion in which nothing moves.
-    fn closed(&self) -> Bounds {
-        Bounds {
+    fn closed(&self) -> Closure {
+        Closure {
             stars: vec![0.0; self.constraints.stars.vertices().len()],
             loops: vec![[0.0; 2]; self.constraints.stars.holes().len()],
         }
@@ -570,7 +531,7 @@ impl KnotPlacer<'_, '_> {
         builder: &SegmentBuilder<'_>,
         points: &[PathPoint],
     ) -> Option<KnotSequence> {
-        let (mut bounds, mut open) = (self.closed(), None);
+        let (mut closure, mut open) = (self.closed(), None);
         let most = self.constraints.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
         for (segment, pair) in points.windows(2).enumerate() {
@@ -578,14 +539,14 @@ impl KnotPlacer<'_, '_> {
             let known = self.known.remove(&key(&pair[0], &pair[1]));
             let deforms = known.is_none() && !self.deforms_within(|sheet| sheet.bound);
             let here = known.unwrap_or_else(|| self.bounds());
-            if open.is_none() && (deforms || here.closure().worst() > most) {
+            if open.is_none() && (deforms || here.worst() > most) {
                 open = Some(Open {
                     segment,
                     arc_length: pair[0].arc_length,
-                    before: bounds.clone(),
+                    before: closure.clone(),
                 });
             }
-            bounds.take_in(&here);
+            closure.take_in(here.bounds());
             stretch = f64::max(stretch, self.limit_ratio(builder.kind, span));
         }
         stretch *= 1.0 + STRETCH_MARGIN_RATIO;
@@ -594,21 +555,19 @@ impl KnotPlacer<'_, '_> {
             let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
             let homogeneous = builder.kind == Interpolation::Homogeneous;
             let weights = nodes.iter().filter(|_| homogeneous);
-            Knot {
-                time: (builder.law.at(point)[0] - start) * stretch,
-                angles: point.angles.clone(),
-                rates: nodes.iter().map(|node| node.rate / stretch).collect(),
-                weights: weights
-                    .map(|node| [node.weight[0], node.weight[1] / stretch])
-                    .collect(),
-                ends_phase: point.ends_phase,
-                ..Knot::default()
-            }
+            let mut knot = Knot::at(point.angles.clone());
+            knot.stored.time = (builder.law.at(point)[0] - start) * stretch;
+            knot.stored.rates = nodes.iter().map(|node| node.rate / stretch).collect();
+            knot.stored.weights = weights
+                .map(|node| [node.weight[0], node.weight[1] / stretch])
+                .collect();
+            knot.ends_phase = point.ends_phase;
+            knot
         });
         Some(KnotSequence {
             interpolation: builder.kind,
             knots: knots.collect(),
-            bounds,
+            closure,
             open,
         })
     }

@@ -11,8 +11,6 @@ pub struct Overshoot {
     pub speed: f64,
     /// Largest |ρ̈| over its limit.
     pub acceleration: f64,
-    /// Segment with the largest [`Overshoot::stretch`].
-    pub segment: usize,
 }
 
 impl Overshoot {
@@ -26,47 +24,21 @@ impl Overshoot {
     /// Cost: for each segment and group a few operations, or 27 evaluations of a curve.
     #[must_use]
     pub fn of(view: TrajectoryView<'_, f64>, speeds: &[f64], accelerations: &[f64]) -> Self {
-        let mut all = Self::default();
-        let mut worst = 0.0;
-        for segment in 0..view.len().saturating_sub(1) {
-            let here = Self::of_segment(view, segment, speeds, accelerations);
-            if here.stretch() > worst {
-                worst = here.stretch();
-                all.segment = segment;
+        let mut worst = Self::default();
+        let knots = (0..view.len()).filter_map(|knot| view.knot(knot));
+        for (segment, (from, to)) in knots.clone().zip(knots.skip(1)).enumerate() {
+            let span = to.time - from.time;
+            for (group, (speed, acceleration)) in speeds.iter().zip(accelerations).enumerate() {
+                let Some(curve) = view.curve(segment, group) else {
+                    break;
+                };
+                let [rate, second] = peaks(&curve);
+                worst.speed = worst.speed.max(rate / span / speed);
+                let second = second / (span * span) / acceleration;
+                worst.acceleration = worst.acceleration.max(second);
             }
-            all.speed = all.speed.max(here.speed);
-            all.acceleration = all.acceleration.max(here.acceleration);
         }
-        all
-    }
-
-    /// Measures one segment as [`of`](Self::of) does; nothing is used if there is no segment of this number.
-    #[must_use]
-    pub fn of_segment(
-        view: TrajectoryView<'_, f64>,
-        segment: usize,
-        speeds: &[f64],
-        accelerations: &[f64],
-    ) -> Self {
-        let mut here = Self {
-            segment,
-            ..Self::default()
-        };
-        let (Some(from), Some(to)) = (view.knot(segment), view.knot(segment.saturating_add(1)))
-        else {
-            return here;
-        };
-        let span = to.time - from.time;
-        let limits = speeds.iter().zip(accelerations).take(view.groups());
-        for (group, (speed, acceleration)) in limits.enumerate() {
-            let Some(curve) = view.curve(segment, group) else {
-                break;
-            };
-            let [rate, second] = peaks(&curve);
-            here.speed = here.speed.max(rate / span / speed);
-            here.acceleration = here.acceleration.max(second / (span * span) / acceleration);
-        }
-        here
+        worst
     }
 
     /// Returns the factor by which time has to be stretched to just keep the limits; below 1 it may shrink.

@@ -33,44 +33,6 @@ pub struct RateLimits<'a> {
     pub accelerations: &'a [f64],
 }
 
-/// Points at which hinges with a limit on their acceleration rest; others rest nowhere.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Rests<'a> {
-    /// `true` if they rest at the first point.
-    pub start: bool,
-    /// `true` if they rest at the last point.
-    pub end: bool,
-    /// Points in between at which the motion stops. A point given twice whose ρ' differ is a corner in any case and
-    /// need not be listed.
-    pub corners: &'a [usize],
-}
-
-/// Reason why there is no motion along a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TimingError {
-    /// The lengths of the slices do not agree.
-    #[error(
-        "expected two points or more, a limit of each kind a group, and a derivative a point and group"
-    )]
-    Shape,
-    /// The point of this number holds an infinity or a NaN.
-    #[error("point {0}: expected finite numbers")]
-    NotFinite(usize),
-    /// The point of this number has a smaller parameter than the one before.
-    #[error("point {0}: expected a parameter no smaller than before")]
-    Order(usize),
-    /// The limits of the group of this number are not above 0, or its speed is unlimited.
-    #[error("group {0}: expected limits above 0, and a finite speed")]
-    Limit(usize),
-    /// Nothing moves on the path.
-    #[error("expected a path on which some group moves")]
-    NoMotion,
-    /// The motion rests at the point of this number and at the next, with no point between them to move at.
-    #[error("point {0}: expected another point before the motion rests again")]
-    Coarse(usize),
-}
-
 /// Largest derivative that counts as 0, as a fraction of the largest on the path.
 const STILL_RATIO: f64 = 1e-8;
 /// Largest number of steps of Newton's method for a controllable set. The method ends by itself after a handful, each
@@ -108,7 +70,7 @@ enum Regime {
     Acceleration(usize, bool),
 }
 
-/// A path with its limits, both checked.
+/// A path with its limits, all of them sound numbers.
 pub(crate) struct Problem<'a> {
     path: SampledPath<'a>,
     limits: RateLimits<'a>,
@@ -122,21 +84,25 @@ pub(crate) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(crate) fn new(
-        path: SampledPath<'a>,
-        limits: RateLimits<'a>,
-        rests: Rests<'_>,
-    ) -> Result<Self, TimingError> {
-        check(path, limits, rests)?;
-        let accelerations = limits.accelerations.iter().enumerate();
+    /// Returns `None` if nothing moves, a number is not finite, or a limit is not above 0.
+    pub(crate) fn new(path: SampledPath<'a>, limits: RateLimits<'a>) -> Option<Self> {
+        let RateLimits {
+            speeds,
+            accelerations,
+        } = limits;
+        let mut numbers = [path.parameters, path.first, path.second, speeds].into_iter();
+        let finite = numbers.all(|numbers| numbers.iter().all(|number| number.is_finite()));
+        let positive = speeds.iter().chain(accelerations).all(|limit| *limit > 0.0);
         let largest = path.first.iter().fold(0.0, |max, d| f64::max(max, d.abs()));
-        if path.parameters.first() >= path.parameters.last() || largest <= 0.0 {
-            return Err(TimingError::NoMotion);
+        let moves = path.parameters.first() < path.parameters.last() && largest > 0.0;
+        if !(finite && positive && moves) {
+            return None;
         }
+        let accelerations = accelerations.iter().enumerate();
         let mut problem = Self {
             path,
             limits,
-            groups: limits.speeds.len(),
+            groups: speeds.len(),
             limited: accelerations
                 .filter(|(_, a)| a.is_finite())
                 .map(|(g, _)| g)
@@ -145,8 +111,8 @@ impl<'a> Problem<'a> {
             ceiling: Vec::new(),
         };
         problem.ceiling = problem.speed_ceiling();
-        problem.stop(rests);
-        Ok(problem)
+        problem.stop();
+        Some(problem)
     }
 
     /// Returns ρ' of all groups at a point.
@@ -185,20 +151,15 @@ impl<'a> Problem<'a> {
         filled.iter().zip(&left).map(|(a, b)| a.max(*b)).collect()
     }
 
-    /// Stops the motion at rests and at corners.
-    fn stop(&mut self, rests: Rests<'_>) {
+    /// Stops the motion at its ends and at corners.
+    fn stop(&mut self) {
         if self.limited.is_empty() {
             return;
         }
         let last = self.path.parameters.len() - 1;
-        let ends = [rests.start.then_some(0), rests.end.then_some(last)];
         let corners = (0..last).filter(|&k| self.span(k) <= 0.0 && !self.joins(k));
-        let stops: Vec<usize> = ends
-            .into_iter()
-            .flatten()
-            .chain(corners.flat_map(|k| [k, k + 1]))
-            .collect();
-        for point in stops {
+        let corners = corners.flat_map(|k| [k, k + 1]);
+        for point in [0, last].into_iter().chain(corners).collect::<Vec<_>>() {
             // If no group moves with σ at a point, hinges rest there at any σ̇.
             if self
                 .limited
@@ -207,9 +168,6 @@ impl<'a> Problem<'a> {
             {
                 self.ceiling[point] = 0.0;
             }
-        }
-        for &corner in rests.corners {
-            self.ceiling[corner] = 0.0;
         }
     }
 
@@ -356,48 +314,5 @@ impl<'a> Problem<'a> {
             (load, Regime::Acceleration(g, acceleration > 0.0))
         });
         speeds.chain(accelerations)
-    }
-}
-
-fn check(
-    path: SampledPath<'_>,
-    limits: RateLimits<'_>,
-    rests: Rests<'_>,
-) -> Result<(), TimingError> {
-    let (points, groups) = (path.parameters.len(), limits.speeds.len());
-    let values = points.checked_mul(groups);
-    let whole = [path.first.len(), path.second.len()]
-        .iter()
-        .all(|&len| Some(len) == values);
-    let inside = rests.corners.iter().all(|&corner| corner < points);
-    if points < 2 || groups == 0 || !whole || limits.accelerations.len() != groups || !inside {
-        return Err(TimingError::Shape);
-    }
-    let sound = |(speed, acceleration): (&f64, &f64)| {
-        *speed > 0.0 && speed.is_finite() && *acceleration > 0.0
-    };
-    if let Some(group) = limits
-        .speeds
-        .iter()
-        .zip(limits.accelerations)
-        .position(|pair| !sound(pair))
-    {
-        return Err(TimingError::Limit(group));
-    }
-    let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
-    let rows = path.first.chunks(groups).zip(path.second.chunks(groups));
-    let sound = |((first, second), sigma): ((&[f64], &[f64]), &f64)| {
-        finite(first) && finite(second) && sigma.is_finite()
-    };
-    if let Some(point) = rows.zip(path.parameters).position(|row| !sound(row)) {
-        return Err(TimingError::NotFinite(point));
-    }
-    match path
-        .parameters
-        .windows(2)
-        .position(|pair| pair[1] < pair[0])
-    {
-        Some(point) => Err(TimingError::Order(point + 1)),
-        None => Ok(()),
     }
 }

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::timing::{OptimalTimeLaw, RateLimits, Rests, SampledPath, TimingError};
+use super::timing::{OptimalTimeLaw, RateLimits, SampledPath};
 use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::vectors::{max_difference, max_norm, norm};
@@ -174,13 +174,13 @@ impl ReducedPath {
     }
 
     /// Computes the fastest motion along the path, sampled on `parts` intervals of each segment, with hinges that
-    /// keep these limits (radians per second, and per second squared).
+    /// keep these limits (radians per second, and per second squared). Returns `None` if there is none.
     pub(crate) fn fastest(
         &self,
         parts: usize,
         max_speed: f64,
         max_acceleration: f64,
-    ) -> Result<OptimalTimeLaw, TimingError> {
+    ) -> Option<OptimalTimeLaw> {
         let (mut arc_lengths, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
         for segment in 0..self.arc_lengths.len().saturating_sub(1) {
             let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
@@ -207,12 +207,7 @@ impl ReducedPath {
             speeds: &vec![max_speed; groups],
             accelerations: &vec![max_acceleration; groups],
         };
-        let rests = Rests {
-            start: true,
-            end: true,
-            corners: &[],
-        };
-        OptimalTimeLaw::time_optimal(path, limits, rests)
+        OptimalTimeLaw::time_optimal(path, limits)
     }
 
     /// Returns the closed configuration at a path length, if it is found near the prediction.

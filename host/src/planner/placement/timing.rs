@@ -13,7 +13,7 @@
 //! 30(6), 1985). `reachability.rs` finds the largest x at each point of a grid.
 
 use super::reachability::Problem;
-pub use super::reachability::{RateLimits, Rests, SampledPath, TimingError};
+pub use super::reachability::{RateLimits, SampledPath};
 
 /// Motion along a path: σ̇² is linear in σ between the points of the grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,9 @@ pub struct OptimalTimeLaw {
 }
 
 impl OptimalTimeLaw {
-    /// Computes the fastest motion along a path within limits, with its rests.
+    /// Computes the fastest motion along a path within limits. Hinges with a limit on their acceleration rest at both
+    /// ends. Returns `None` if nothing moves, a number is not finite, a limit is not above 0, or the motion would rest at
+    /// one point and the next with no point between them to move at.
     ///
     /// Cost: proportional to points times groups. The duration exceeds the least one to first order in the grid where
     /// ρ' varies, since the limits hold at both ends of each interval with one u; within the intervals the limits are
@@ -34,14 +36,11 @@ impl OptimalTimeLaw {
     /// infinite σ̇: the motion takes the σ̇ of the nearest point, and is the farther from the fastest the faster ρ'
     /// goes to 0.
     ///
-    /// # Errors
-    /// If the slices are not a valid path or not valid limits, or the limits allow no motion.
-    pub fn time_optimal(
-        path: SampledPath<'_>,
-        limits: RateLimits<'_>,
-        rests: Rests<'_>,
-    ) -> Result<Self, TimingError> {
-        let problem = Problem::new(path, limits, rests)?;
+    /// # Panics
+    /// If the lengths of the slices do not agree.
+    #[must_use]
+    pub fn time_optimal(path: SampledPath<'_>, limits: RateLimits<'_>) -> Option<Self> {
+        let problem = Problem::new(path, limits)?;
         let squares = problem.fastest();
         let mut times = vec![0.0; squares.len()];
         for (k, (sigma, x)) in path
@@ -52,11 +51,11 @@ impl OptimalTimeLaw {
         {
             let span = duration(sigma[1] - sigma[0], x[0], x[1]);
             if !span.is_finite() {
-                return Err(TimingError::Coarse(k));
+                return None;
             }
             times[k + 1] = times[k] + span;
         }
-        Ok(Self {
+        Some(Self {
             parameters: path.parameters.to_vec(),
             switches: problem.switches(&squares),
             squares,
@@ -106,32 +105,11 @@ impl OptimalTimeLaw {
             )
     }
 
-    /// Returns the parameter σ at `time` (seconds), which is clamped to the motion. Cost: a binary search.
-    #[must_use]
-    pub fn sigma_at(&self, time: f64) -> f64 {
-        let (k, time) = interval(&self.times, time);
-        let (passed, from, to) = (
-            time - self.times[k],
-            self.parameters[k],
-            self.parameters[k + 1],
-        );
-        let sigma = from + passed * (self.squares[k].sqrt() + passed * self.acceleration(k) / 2.0);
-        sigma.clamp(from, to)
-    }
-
     /// Returns the speed σ̇ at σ, per second; at a point given twice, just after it. Cost: a binary search.
     #[must_use]
     pub fn speed_at(&self, sigma: f64) -> f64 {
         let (k, sigma) = interval(&self.parameters, sigma);
         self.square(k, sigma).sqrt()
-    }
-
-    /// Returns the acceleration σ̈ at σ, per second squared; at a point of the grid, just after it. Cost: a binary
-    /// search.
-    #[must_use]
-    pub fn acceleration_at(&self, sigma: f64) -> f64 {
-        let (k, _) = interval(&self.parameters, sigma);
-        self.acceleration(k)
     }
 
     /// Returns σ̇² at σ in the interval after point k.
@@ -142,16 +120,6 @@ impl OptimalTimeLaw {
             self.squares[k] * (1.0 - part) + self.squares[k + 1] * part
         } else {
             self.squares[k + 1]
-        }
-    }
-
-    /// Returns σ̈ in the interval after point k.
-    fn acceleration(&self, k: usize) -> f64 {
-        let span = self.parameters[k + 1] - self.parameters[k];
-        if span > 0.0 {
-            (self.squares[k + 1] - self.squares[k]) / (2.0 * span)
-        } else {
-            0.0
         }
     }
 }

@@ -10,7 +10,10 @@ use crate::planner::vectors::fraction;
 /// [near it](Outcome::NearGoal).
 pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
     let goal = problem.goal;
-    let angles = angles_at_end(plan, goal.fold_angles.len());
+    let end = plan.path.knots.last();
+    let angles = end.map(|end| plan.path.crease_angles(end));
+    // Without a path, the sheet is flat.
+    let angles = angles.unwrap_or_else(|| vec![0.0; goal.fold_angles.len()]);
     let flat = flat_creases(goal, &angles);
     plan.flat_creases = flat.len();
     if plan.outcome != Outcome::Planned {
@@ -35,18 +38,6 @@ pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
         farthest: farthest.map(|(crease, short)| (edge(crease), short)),
         flat: flat.into_iter().map(edge).collect(),
     });
-}
-
-/// Returns the angle of each crease at the end of the path, radians; without a path, the sheet is flat.
-fn angles_at_end(plan: &Plan, creases: usize) -> Vec<f64> {
-    match plan.path.knots.last() {
-        Some(last) => {
-            let members = plan.path.memberships.iter();
-            let angle = members.map(|member| member.apply(last.angles[member.group.index()]));
-            angle.collect()
-        }
-        None => vec![0.0; creases],
-    }
 }
 
 /// Returns the creases lettered M or V that have not turned their way.

@@ -54,25 +54,25 @@ struct Row {
     note: fn(&PlanningProblem<'_>, &Plan, &Plan) -> Option<Note>,
 }
 
+/// The first row, which the others change.
+const BASE: Row = Row {
+    strategy: Strategy::CreaseGroups,
+    errors: ErrorModel::Exact,
+    symmetry: None,
+    goes_near: false,
+    seed: None,
+    is_tried: |_, _| true,
+    is_better: |_, _| true,
+    note: |_, _, _| None,
+};
+
 /// The strategies in the order in which they are tried. Symmetry comes first, as it is fast; then every crease turns on
 /// its own, under error models that claim less and less of the coordinates.
 const STRATEGIES: [Row; 10] = [
-    Row {
-        strategy: Strategy::CreaseGroups,
-        errors: ErrorModel::Exact,
-        symmetry: None,
-        goes_near: false,
-        seed: None,
-        is_tried: |_, _| true,
-        is_better: |_, _| true,
-        note: |_, _, _| None,
-    },
+    BASE,
     Row {
         strategy: Strategy::EveryCrease,
-        errors: ErrorModel::Exact,
         symmetry: Some(Symmetry::Off),
-        goes_near: false,
-        seed: None,
         is_tried: is_loose,
         is_better: proves_less_deformation,
         note: |_, _, grouped| {
@@ -81,6 +81,7 @@ const STRATEGIES: [Row; 10] = [
                 why: GroupsDropped::LessDeformation,
             })
         },
+        ..BASE
     },
     Row {
         strategy: Strategy::SnappedFine,
@@ -89,11 +90,9 @@ const STRATEGIES: [Row; 10] = [
             measured: false,
         },
         symmetry: Some(Symmetry::Off),
-        goes_near: false,
-        seed: None,
         is_tried: is_unplanned,
         is_better: leads_farther,
-        note: |_, _, _| None,
+        ..BASE
     },
     Row {
         strategy: Strategy::SnappedCoarse,
@@ -102,21 +101,18 @@ const STRATEGIES: [Row; 10] = [
             measured: false,
         },
         symmetry: Some(Symmetry::Off),
-        goes_near: false,
-        seed: None,
         is_tried: is_unplanned,
         is_better: leads_farther,
-        note: |_, _, _| None,
+        ..BASE
     },
     Row {
         strategy: Strategy::MeasuredError,
         errors: ErrorModel::Measured,
         symmetry: Some(Symmetry::Off),
-        goes_near: false,
-        seed: None,
         is_tried: nearly_closes,
         is_better: |new, _| new.outcome == Outcome::Planned,
         note: errors_added_up,
+        ..BASE
     },
     Row {
         strategy: Strategy::SnappedMeasured,
@@ -125,21 +121,17 @@ const STRATEGIES: [Row; 10] = [
             measured: true,
         },
         symmetry: Some(Symmetry::Off),
-        goes_near: false,
-        seed: None,
         is_tried: nearly_closes,
         is_better: leads_farther,
         note: errors_added_up,
+        ..BASE
     },
     Row {
         strategy: Strategy::NearestConfiguration,
-        errors: ErrorModel::Exact,
-        symmetry: None,
         goes_near: true,
-        seed: None,
         is_tried: |_, plan| plan.outcome == Outcome::GoalNotClosed,
         is_better: leads_nearer,
-        note: |_, _, _| None,
+        ..BASE
     },
     other_seed(0),
     other_seed(1),
@@ -151,13 +143,10 @@ const STRATEGIES: [Row; 10] = [
 const fn other_seed(seed: u64) -> Row {
     Row {
         strategy: Strategy::OtherSeed,
-        errors: ErrorModel::Exact,
-        symmetry: None,
-        goes_near: false,
         seed: Some(seed),
         is_tried: |_, plan| plan.is_random && is_no(plan.outcome),
         is_better: leads_farther,
-        note: |_, _, _| None,
+        ..BASE
     }
 }
 
@@ -359,10 +348,9 @@ fn with_lines_alone(
 
 /// Returns the sum of the angles by which creases are turned at the end of a path, radians.
 fn turned(plan: &Plan) -> f64 {
-    let last = plan.path.knots.last();
-    let members = plan.path.memberships.iter();
-    let turns = last.map(|last| members.map(|member| last.angles[member.group.index()].abs()));
-    turns.map_or(0.0, Iterator::sum)
+    let end = plan.path.knots.last();
+    let angles = end.map_or_else(Vec::new, |end| plan.path.crease_angles(end));
+    angles.iter().map(|angle| angle.abs()).sum()
 }
 
 /// Returns `true` if a small sheet hardly leaves flat with rigid panels.

@@ -67,11 +67,8 @@ pub(super) fn is_free(
     angles: &[f64],
     closure_tolerance: f64,
 ) -> bool {
-    let mut knot = Knot {
-        angles: groups.reduce_all(angles),
-        ..Knot::default()
-    };
-    judge.judge(&mut knot).is_none() && knot.closure <= closure_tolerance
+    let mut knot = Knot::at(groups.reduce_all(angles));
+    judge.judge(&mut knot).is_none() && knot.errors().twist <= closure_tolerance
 }
 
 /// Returns `true` if a sheet has few enough creases for folds in sequence to be looked for.
@@ -127,7 +124,7 @@ pub(crate) fn fold_in_sequence(
             return None;
         }
         // The motion is placed as near to its path as it gets, so that only a path that crosses is rejected.
-        let plan = orders.plan_by_way_of(&orders.stops(&order), LEAST_BOUND_FRACTION);
+        let plan = orders.plan_in_phases(&order, LEAST_BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
             let mut plan = with_fewer_stops(&mut orders, plan, order);
             plan.add_effort(&effort);
@@ -146,12 +143,9 @@ pub(crate) fn fold_in_sequence(
 fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBitSet>) -> Plan {
     let mut effort = Plan::default();
     let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
-    let stops = |orders: &Orders<'_>, phases: &[Vec<_>]| {
-        let phases: Vec<_> = phases
-            .iter()
-            .map(|once| union(&orders.goal, once))
-            .collect();
-        orders.stops(&phases)
+    let plan_of = |orders: &Orders<'_>, phases: &[Vec<_>], bound_fraction| {
+        let phases = phases.iter().map(|once| union(&orders.goal, once));
+        orders.plan_in_phases(&phases.collect::<Vec<_>>(), bound_fraction)
     };
     let mut run = phases.len().div_ceil(2);
     while run > 1 {
@@ -166,7 +160,7 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
             if !once.iter().all(|creases| next.contains(creases)) {
                 continue;
             }
-            let mut other = orders.plan_by_way_of(&stops(orders, &fewer), LEAST_BOUND_FRACTION);
+            let mut other = plan_of(orders, &fewer, LEAST_BOUND_FRACTION);
             if other.outcome == Outcome::Planned {
                 core::mem::swap(&mut plan, &mut other);
                 phases = fewer;
@@ -176,7 +170,7 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
         }
         run = run.div_ceil(2).min(run - 1);
     }
-    let mut other = orders.plan_by_way_of(&stops(orders, &phases), FIRST_BOUND_FRACTION);
+    let mut other = plan_of(orders, &phases, FIRST_BOUND_FRACTION);
     if other.outcome == Outcome::Planned {
         core::mem::swap(&mut plan, &mut other);
     }
@@ -216,16 +210,16 @@ fn parts(
     Some(parts.map(|part| set(goal, part)).collect())
 }
 
-/// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first. The other
-/// creases are flat at the stops; `goal` has the fold angles of folded ones, radians.
-pub(super) fn plan_by_way_of(
+/// Returns the plan that folds these sets of creases one after the other, certified for this fraction of the bound at
+/// first. The other creases are flat at the stops; `goal` has the fold angles of folded ones, radians.
+pub(super) fn plan_in_phases(
     problem: &PlanningProblem<'_>,
     goal: &[f64],
-    stops: &[FixedBitSet],
+    phases: &[FixedBitSet],
     bound_fraction: f64,
 ) -> Plan {
-    let stops: Vec<_> = stops.iter().map(|folded| angles(goal, folded)).collect();
-    plan_via(problem, &stops, bound_fraction)
+    let stops = (1..phases.len()).map(|k| angles(goal, &union(goal, &phases[..k])));
+    plan_via(problem, &stops.collect::<Vec<_>>(), bound_fraction)
 }
 
 /// Returns the plan by way of these fold angles (radians), certified for this fraction of the bound at first.
@@ -276,7 +270,7 @@ pub(super) fn between<T>(tree: &SpanningTree, all: &[T], faces: [FaceId; 2]) -> 
 }
 
 /// Returns all creases of some sets.
-pub(super) fn union<T>(all: &[T], sets: &[FixedBitSet]) -> FixedBitSet {
+fn union<T>(all: &[T], sets: &[FixedBitSet]) -> FixedBitSet {
     let mut union = set(all, []);
     sets.iter().for_each(|set| union.union_with(set));
     union
@@ -327,15 +321,9 @@ struct Orders<'a> {
 }
 
 impl Orders<'_> {
-    /// Returns the creases that are folded after each step of a sequence but the last.
-    fn stops(&self, order: &[FixedBitSet]) -> Vec<FixedBitSet> {
-        let stops = (1..order.len()).map(|k| union(&self.goal, &order[..k]));
-        stops.collect()
-    }
-
-    /// Returns the plan by way of these sets of folded creases, certified for this fraction of the bound at first.
-    fn plan_by_way_of(&self, stops: &[FixedBitSet], bound_fraction: f64) -> Plan {
-        plan_by_way_of(self.problem, &self.goal, stops, bound_fraction)
+    /// Returns the plan that folds these sets of creases one after the other, as [`plan_in_phases`] does.
+    fn plan_in_phases(&self, phases: &[FixedBitSet], bound_fraction: f64) -> Plan {
+        plan_in_phases(self.problem, &self.goal, phases, bound_fraction)
     }
 
     fn is_free(&mut self, folded: &FixedBitSet) -> bool {

@@ -57,21 +57,16 @@ fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<
         mut route,
         symmetric,
         asked_closure,
-        notes,
-        symmetry,
-        following,
-        work,
     } = select_route(problem)?;
     let mut plan = Plan {
-        iterations: work.iterations,
-        evaluations: work.evaluations,
-        notes,
+        iterations: route.work.iterations,
+        evaluations: route.work.evaluations,
+        notes: core::mem::take(&mut route.notes),
+        is_random: route.is_random,
         ..Plan::default()
     };
-    plan.times.symmetry = symmetry;
-    plan.times.solve = following;
-    plan.notes.append(&mut route.notes);
-    plan.is_random = route.is_random;
+    plan.times.symmetry = route.symmetry;
+    plan.times.solve = route.following;
     describe(problem, &route.reduction, &mut plan);
     if let Some(last) = route.waypoints.last() {
         plan.goal_error = route.reduction.distance(&last.angles, problem.goal);
@@ -216,10 +211,7 @@ fn note_moved_goal(
 
 /// Returns the crossing of faces at the goal itself, if there is one.
 fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Crossing> {
-    let mut goal = Knot {
-        angles: route.goal.clone()?,
-        ..Knot::default()
-    };
+    let mut goal = Knot::at(route.goal.clone()?);
     Judge::new(problem, &route.reduction, problem.options.collision).judge(&mut goal)
 }
 
@@ -308,7 +300,7 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan)
         return None;
     }
     let waypoints = straight(reduction, &goal, options);
-    let mut judge = Judge::new(problem, reduction, false);
+    let judge = Judge::new(problem, reduction, false);
     let (essential, _) = judge.essential(waypoints.iter().map(|w| w.angles.as_slice()));
     if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
         return None;

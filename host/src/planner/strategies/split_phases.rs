@@ -9,7 +9,7 @@ use std::collections::{BinaryHeap, HashSet};
 
 use fixedbitset::FixedBitSet;
 
-use super::fold_sequence::{between, plan_by_way_of, set, union};
+use super::fold_sequence::{between, plan_in_phases, set};
 use crate::folding::SpanningTree;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
@@ -80,10 +80,7 @@ pub(crate) fn fold_in_split_phases(
         if problem.is_late() {
             return None;
         }
-        let stops: Vec<_> = (1..phases.len())
-            .map(|k| union(goal, &phases[..k]))
-            .collect();
-        let mut plan = plan_by_way_of(problem, goal, &stops, FIRST_BOUND_FRACTION);
+        let mut plan = plan_in_phases(problem, goal, &phases, FIRST_BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
             plan.add_effort(&effort);
             plan.notes.push(Note::Phases(phases.len()));

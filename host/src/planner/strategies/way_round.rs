@@ -4,8 +4,6 @@
 //! other, and the next path leads by way of that configuration. The direction is the infinitesimal motion of the closed
 //! sheet nearest to the gradient of the two faces' distance.
 
-use foldpath_core::Membership;
-
 use super::fold_sequence::{between, is_free, plan_via};
 use crate::collision::face_distance;
 use crate::folding::FoldingMap;
@@ -53,8 +51,8 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
         }
         let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
         let phase = phases.count().min(stops.len());
-        let mut knots = plan.path.knots.iter().rev().map(|knot| &knot.angles);
-        let [end, before] = [knots.next()?, knots.next()?].map(|knot| of_creases(&plan, knot));
+        let mut knots = plan.path.knots.iter().rev();
+        let [end, before] = [knots.next()?, knots.next()?].map(|k| plan.path.crease_angles(k));
         let along: Vec<f64> = end
             .iter()
             .zip(before)
@@ -80,12 +78,6 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
     None
 }
 
-/// Returns the fold angles of the creases at a knot of a plan, radians.
-fn of_creases(plan: &Plan, knot: &[f64]) -> Vec<f64> {
-    let angle = |member: &Membership| member.apply(knot[member.group.index()]);
-    plan.path.memberships.iter().map(angle).collect()
-}
-
 /// Returns a closed configuration near `angles`, fold angles of the creases in radians, at which each pair of faces is
 /// this far from each other (median edges) and no faces cross, if one is found. Moves `along` the path, which only lead
 /// back, do not count.
@@ -106,7 +98,7 @@ fn moved_apart(
     };
     let mut solver = reduction.solver(options, 0.0);
     let (_, signs) = reduction.asked(problem.goal);
-    solver.set_limits(reduction.orthant(&signs));
+    solver.limits = reduction.orthant(&signs);
     let along = reduction.groups.reduce_all(along);
     for _ in 0..MAX_MOVES {
         // For each pair that is too near, how much it lacks and the gradient of its distance.

@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use crate::pattern::LARGEST;
 use crate::util::csr::{Csr, group_by_key};
+use crate::util::nan_max::bounding_box;
 
 /// Square cells over the sheet. A line covers few of them.
 pub(super) struct Grid {
@@ -17,9 +18,8 @@ impl Grid {
     /// Makes a grid over the points with about `count` cells, each at least `least` wide.
     #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
     pub(super) fn new(points: &[Vector2<f64>], count: usize, least: f64) -> Self {
-        let first = points.first().copied().unwrap_or_default();
-        let low = points.iter().fold(first, |low, p| low.inf(p));
-        let size = points.iter().fold(first, |high, p| high.sup(p)) - low;
+        let (low, high) = bounding_box(points.iter().copied()).unwrap_or_default();
+        let size = high - low;
         let count = count.max(1) as f64;
         // The roots are taken one by one, because the product of the sizes might overflow.
         let cell = ((size.x / count).sqrt() * size.y.sqrt())
