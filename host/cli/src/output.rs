@@ -14,7 +14,7 @@ use crate::{CliError, print_to};
 /// Size of the buffer for writing, bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Writes `content` to `path`, as [`write_whole_with`] does.
+/// Writes `content` to `path`, so that `path` never holds a part of it; `-` stands for stdout.
 ///
 /// # Errors
 /// If the system refuses.

@@ -68,7 +68,7 @@ impl Waterbomb {
     }
 
     /// Returns the fold angles (radians) of middle lines, cross lines, diagonals and boundary lines if the boundary lines
-    /// have `boundary` (0 to π).
+    /// have `boundary` (radians, 0 to π).
     #[must_use]
     pub fn angles(boundary: f64) -> [f64; 4] {
         // 4t³ + 3t = tan(b/2) is solved by the hyperbolic form of the triple angle, 4 sinh³ x + 3 sinh x = sinh 3x.

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use foldpath::folding::{Dihedral, FoldingMap};
-use foldpath::planner::{PlanOptions, plan};
+use foldpath::planner::plan;
 use foldpath_core::Membership;
 
 use super::cases::{self, Case, Extent, Kind, SHORT_LIMIT};

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use foldpath::motion::Motion;
-use foldpath::planner::{Plan, PlanOptions, plan};
+use foldpath::planner::{Plan, plan};
 
 use super::sheet::Sheet;
 
