@@ -54,13 +54,15 @@ pub(crate) fn build(directory: &str, settings: &[(&str, &str)]) -> PathBuf {
 /// Builds the images of the package that the arguments name. The target directory is another one, because the outer cargo
 /// may hold the lock of its own; ports and other images share it, and with it the libraries that both need.
 fn build_package(package: &[&str], directory: &str, settings: &[(&str, &str)]) -> PathBuf {
-    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
-    let target_dir = target_dir.join(directory);
+    let parent = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
+    let target_dir = parent.join(directory);
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["build", "--locked"]);
     cargo.args(package);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     cargo.arg("--target-dir").arg(&target_dir);
+    // What differs in settings shares what does not, such as the macros that run on the host.
+    cargo.env("CARGO_BUILD_BUILD_DIR", parent.join("fw-parts"));
     cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
     cargo.envs(settings.iter().copied());
     for meant_for_the_host in [
