@@ -91,6 +91,7 @@ pub use closing::sparse::SparseNormalEquations;
 pub use foldability::cause::{Cause, CauseKind};
 pub use foldability::forecast::{Foldability, Forecast, forecast};
 pub use foldpath_core::Objective;
+pub use following::branch::{Departure, leave_flat};
 pub use following::mobility::{FirstStep, Mobility};
 pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};

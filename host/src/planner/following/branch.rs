@@ -10,9 +10,12 @@ use foldpath_core::sampling::random_near;
 use rand_pcg::Pcg64;
 
 use super::reduction::Reduction;
-use crate::planner::PlanOptions;
+use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::vectors::{cosine, max_norm};
+use crate::planner::{PlanOptions, Vertices};
+use crate::progress::Watch;
+use crate::symmetry::CreaseGroups;
 
 /// Largest angle of the first step, radians. Small enough that branches are straight, large enough that the
 /// second-order conditions that choose between branches are far above rounding.
@@ -44,12 +47,7 @@ pub(crate) fn branches_at_flat(
     closure_tolerance: f64,
     options: &PlanOptions,
 ) -> (Vec<Vec<f64>>, Work) {
-    let mut switcher = BranchSwitcher {
-        free: reduction.solver(options, closure_tolerance),
-        held: reduction.solver(options, closure_tolerance),
-        orthant: reduction.orthant(signs),
-        signs,
-    };
+    let mut switcher = BranchSwitcher::new(reduction, options, closure_tolerance, signs);
     let first_step = FIRST_STEP_RAD.min(options.max_step / 2.0);
     let scale = first_step / max_norm(towards).max(f64::MIN_POSITIVE);
     let straight: Vec<f64> = towards.iter().map(|t| t * scale).collect();
@@ -104,7 +102,21 @@ struct BranchSwitcher<'a> {
     signs: &'a [f64],
 }
 
-impl BranchSwitcher<'_> {
+impl<'a> BranchSwitcher<'a> {
+    fn new(
+        reduction: &'a Reduction<'a>,
+        options: &PlanOptions,
+        closure_tolerance: f64,
+        signs: &'a [f64],
+    ) -> Self {
+        Self {
+            free: reduction.solver(options, closure_tolerance),
+            held: reduction.solver(options, closure_tolerance),
+            orthant: reduction.orthant(signs),
+            signs,
+        }
+    }
+
     /// Moves `x`, a small step from flat, to a closed configuration of about the same size that turns no hinge against
     /// its sign, on a branch that leads to flat.
     fn land(&mut self, x: &mut [f64]) -> bool {
@@ -146,4 +158,75 @@ impl BranchSwitcher<'_> {
         let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
         self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT_COSINE
     }
+}
+
+/// Configuration near flat to which a small step leads.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Departure {
+    /// Fold angles near the start, radians.
+    pub fold_angles: Vec<f64>,
+    /// Largest closure residual of these angles.
+    pub closure: f64,
+    /// Edges with assignment M or V that do not turn in its direction. If there are any, the branch is not the one that
+    /// the assignments mean.
+    pub against: Vec<EdgeId>,
+}
+
+/// Leaves the flat sheet near the configuration `start` (radians, one angle for each crease) on the branch whose signs
+/// are those of the assignments.
+///
+/// If `start` lands on no such branch, its sizes are tried with the signs of the assignments, then one size for all
+/// creases.
+#[must_use]
+pub fn leave_flat(pattern: &CreasePattern, start: &[f64]) -> Departure {
+    let options = PlanOptions {
+        vertices: Vertices::All,
+        ..PlanOptions::default()
+    };
+    let reduction = Reduction::new(
+        pattern,
+        CreaseGroups::trivial(pattern),
+        &options,
+        Watch::default(),
+    );
+    let groups = &reduction.groups;
+    let in_groups = |creases: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        let creases: Vec<_> = creases.map(Some).collect();
+        groups.reduce(&creases).into_iter().flatten().collect()
+    };
+    let letters = |&id| pattern.edge(id).letter.sign();
+    let signs = in_groups(&mut pattern.creases().iter().map(letters));
+    let start = in_groups(&mut start.iter().copied());
+    let mut switcher = BranchSwitcher::new(&reduction, &options, 0.0, &signs);
+    let signed = |size: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let pairs = start.iter().zip(&signs);
+        let turned = |(x, sign): (&f64, &f64)| {
+            if sign.abs() > 0.0 {
+                sign * size(*x)
+            } else {
+                *x
+            }
+        };
+        pairs.map(turned).collect()
+    };
+    let largest = max_norm(&start);
+    let starts = [start.clone(), signed(&f64::abs), signed(&|_| largest)];
+    let mut first = None;
+    for mut x in starts {
+        let leaves = switcher.land(&mut x);
+        let least = UNTURNED_RATIO * max_norm(&x);
+        let pairs = x.iter().zip(&signs).zip(pattern.creases());
+        let against =
+            pairs.filter(|((x, sign), _)| sign.abs() > 0.0 && !(leaves && *x * *sign >= least));
+        let departure = Departure {
+            against: against.map(|(_, &edge)| edge).collect(),
+            closure: reduction.all.largest_residual(&x),
+            fold_angles: groups.expand(&x),
+        };
+        if departure.against.is_empty() {
+            return departure;
+        }
+        first.get_or_insert(departure);
+    }
+    first.unwrap_or_default()
 }

@@ -61,7 +61,7 @@ fn build_package(package: &[&str], directory: &str, settings: &[(&str, &str)]) -
     cargo.args(package);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     cargo.arg("--target-dir").arg(&target_dir);
-    // What differs in settings shares what does not, such as the macros that run on the host.
+    // Builds with other settings share the parts on which settings have no effect, such as macros that run on the host.
     cargo.env("CARGO_BUILD_BUILD_DIR", parent.join("fw-parts"));
     cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
     cargo.envs(settings.iter().copied());
