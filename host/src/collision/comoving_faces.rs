@@ -6,8 +6,8 @@ use core::f64::consts::PI;
 
 use foldpath_core::Membership;
 
-use super::lazy_folding::Axis;
 use super::motion::{Motion, Tick};
+use super::placed_pieces::Axis;
 use super::tolerances::{MAX_HINGES, NEARLY_AT_REST_RATIO};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::util::union_find::UnionFind;

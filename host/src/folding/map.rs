@@ -1,11 +1,12 @@
 //! The folding map at one configuration, by rotations along a spanning tree of the faces, and the rigidity of
 //! the sheet under it.
 
-use foldpath_core::{HalfAngle, Membership, Rotation, closure};
+use foldpath_core::{GroupId, HalfAngle, Membership, Rotation, closure};
 use nalgebra::Vector3;
 
+use super::hinge::{Hinge, Product, half_angle, place_all};
+use super::pose::Pose;
 use super::tree::{SpanningTree, Step};
-use crate::lattice::Pose;
 use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
 use crate::util::nan_max::{larger, largest};
 use crate::util::range::Range;
@@ -114,16 +115,6 @@ impl FoldingMap {
         closure::half_angles(angles, &mut self.half_angles);
     }
 
-    /// Returns the half angle of a crease; flat if no angle was given.
-    #[inline]
-    fn half_angle(&self, crease: CreaseId) -> HalfAngle<f64> {
-        let half = |index: usize| self.half_angles.get(index).copied().unwrap_or_default();
-        match self.memberships.get(crease.index()) {
-            Some(of) => half(of.group.index()).signed(of.negative),
-            None => half(crease.index()),
-        }
-    }
-
     /// Places faces and vertices by the half angles.
     fn place(&mut self, pattern: &CreasePattern, tree: &SpanningTree) {
         if self
@@ -137,18 +128,11 @@ impl FoldingMap {
         for &root in tree.roots() {
             self.poses[root.index()] = Pose::identity();
         }
-        for step in tree.steps() {
-            let parent = &self.poses[step.parent.index()];
-            let pose = match step.crease {
-                // The pivot stays where the parent takes it.
-                Some(_) => {
-                    let r_wf = self.beyond(step).renormalised();
-                    Pose::about(r_wf, step.pivot, parent.apply(step.pivot))
-                }
-                None => *parent,
-            };
-            self.poses[step.face.index()] = pose;
-        }
+        let member = |crease| member(&self.memberships, crease);
+        let hinges = tree.steps().iter();
+        let hinges = hinges.map(|step| Hinge::new(step, step.crease.map(member)));
+        let product = Product::Measured;
+        place_all(&mut self.poses, hinges, &self.half_angles, product);
         self.place_vertices(pattern);
     }
 
@@ -196,14 +180,16 @@ impl FoldingMap {
         self.positions = positions;
     }
 
-    /// Returns the rotation of the face that a step reaches, from that of its parent and the step's fold angle.
-    #[inline]
+    /// Returns the rotation of the face that a step reaches, from that of its parent and the step's fold angle. It is not
+    /// renormalised.
     fn beyond(&self, step: &Step) -> Rotation<f64> {
         let r_wp = self.poses[step.parent.index()].r_wf;
-        match step.crease {
-            Some(crease) => r_wp.across_crease(self.half_angle(crease), step.axis.into()),
-            None => r_wp,
-        }
+        let Some(crease) = step.crease else {
+            return r_wp;
+        };
+        let member = member(&self.memberships, crease);
+        let half = half_angle(&self.half_angles, member);
+        r_wp.across_crease(half.signed(member.negative), step.axis.into())
     }
 
     /// Returns the rigid motion of each face.
@@ -237,6 +223,16 @@ impl FoldingMap {
             twist: 2.0 * largest(twists).sqrt(),
         }
     }
+}
+
+/// Returns group and sign of a crease; a crease without a membership is a group of its own.
+#[inline]
+fn member(memberships: &[Membership], crease: CreaseId) -> Membership {
+    let own = Membership {
+        group: GroupId(crease.0),
+        negative: false,
+    };
+    memberships.get(crease.index()).copied().unwrap_or(own)
 }
 
 /// Returns the largest relative change of length of an edge or virtual edge, for given folded positions.
@@ -285,7 +281,6 @@ mod tests {
 
     use super::*;
     use crate::generate::Miura;
-    use foldpath_core::GroupId;
 
     /// Returns a sheet and groups of its creases, three in turn, every fifth crease against its group.
     fn sheet() -> (CreasePattern, SpanningTree, Vec<Membership>) {

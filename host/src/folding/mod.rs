@@ -1,12 +1,18 @@
 //! Folds the sheet: the rigid motion of every face at a configuration (the folding map, along a spanning tree
 //! of the faces), and the deformation, gap and twist that it causes.
+//!
+//! There are two ways to fold, over the same step from face to face (`hinge.rs`): all faces at once ([`FoldingMap`]
+//! and `place_all`), or the faces that are asked for (`LazyFolding`).
 
 mod amplification;
 mod dihedral;
 mod fit;
+mod hinge;
 mod holonomy;
+mod lazy;
 mod map;
 mod plane;
+mod pose;
 mod rounding;
 mod shapes;
 mod tree;
@@ -16,11 +22,12 @@ pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::vertices_of_sheets;
 pub use fit::{align_rigid, align_sheets, fit};
+pub(crate) use hinge::{Hinge, Product, half_angle, place_all};
 pub use holonomy::{Holonomy, Tear};
+pub(crate) use lazy::LazyFolding;
 pub use map::{BOUND, DEFAULT_BOUND, FoldingMap, Rigidity, deformation};
 pub(crate) use plane::in_plane;
+pub use pose::Pose;
 pub use rounding::rounding;
 pub use shapes::{STEP, deformation_of_faces, shapes};
 pub use tree::{SpanningTree, Step};
-
-pub use crate::lattice::Pose;

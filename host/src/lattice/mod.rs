@@ -42,8 +42,8 @@
 //! # Files
 //!
 //! Steps are found in `translations.rs`; `survey.rs` walks over the sheet and gives each face its coordinate, and
-//! `orbits.rs` and `pair_classes.rs` answer questions about the result. `pose.rs`, `screw.rs` and `motion.rs` fold one
-//! cell and move it. `deviation.rs` and `motion_bounds.rs` bound the motion between two times, and `neighbours.rs`
+//! `orbits.rs` and `pair_classes.rs` answer questions about the result. `screw.rs` and `motion.rs` fold one cell and move
+//! it. `deviation.rs` and `motion_bounds.rs` bound the motion between two times, and `neighbours.rs`
 //! finds the cells that may come near each other.
 //!
 //! Absent: crossings of faces. `collision` asks for classes, poses and bounds, and sweeps one pair of each class.
@@ -54,7 +54,6 @@ mod motion_bounds;
 mod neighbours;
 mod orbits;
 mod pair_classes;
-mod pose;
 mod screw;
 mod survey;
 mod translations;
@@ -66,5 +65,4 @@ pub use motion_bounds::{LatticeMotionBounds, Stretch};
 pub(crate) use neighbours::NeighbourSearch;
 pub use orbits::{Lattice, LatticeCoord, Link, Orbit};
 pub use pair_classes::PairClass;
-pub use pose::Pose;
 pub use screw::Screw;

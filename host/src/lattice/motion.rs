@@ -1,30 +1,15 @@
 //! Folds a tessellation by its lattice: one cell, and the rigid motions that lead from cell to cell.
 
-use foldpath_core::{HalfAngle, Membership, Rotation, Spoke};
+use foldpath_core::{HalfAngle, Membership, Spoke};
 use nalgebra::{Vector2, Vector3};
 
 use super::deviation::{AngleVariation, DeviationBound};
 use super::motion_bounds::LatticeMotionBounds;
 use super::orbits::{Lattice, Link};
-use super::pose::Pose;
 use super::screw::Screw;
+use crate::folding::{Hinge, Pose, Product, half_angle, place_all};
 use crate::pattern::CreasePattern;
 use crate::util::csr::Csr;
-
-/// An edge between two faces of a cell, or of neighbouring cells, moved to the cell of the first.
-#[derive(Clone, Copy, Debug)]
-struct Hinge {
-    /// Orbit of the face that the way comes from.
-    from: u32,
-    /// Orbit of the face that the way leads to.
-    to: u32,
-    /// Group and sign of the crease; `None` if the edge stays flat.
-    turns: Option<Membership>,
-    /// Middle of the edge.
-    pivot: Vector2<f64>,
-    /// Unit direction about which a positive (valley) fold angle turns the face that the way leads to.
-    axis: Vector2<f64>,
-}
 
 /// A configuration of the cell and its steps.
 #[derive(Clone, Debug)]
@@ -44,7 +29,8 @@ pub(super) struct CellConfiguration {
 /// pose as much as a few rotations.
 #[derive(Clone, Debug)]
 pub struct LatticeMotion {
-    /// Hinges to the second and every further orbit.
+    /// Hinges between faces of a cell, from orbit to orbit, to the second and every further orbit. Pivots are the middles
+    /// of the edges, reduced as the face before.
     tree: Vec<Hinge>,
     /// For each step a hinge that leads one cell on, and the step.
     loops: Vec<(Hinge, Vector2<f64>)>,
@@ -86,7 +72,7 @@ impl LatticeMotion {
     /// Creates the motion of a sheet from its lattice, found for these memberships; the sheet is flat.
     #[must_use]
     pub fn new(pattern: &CreasePattern, memberships: &[Membership], lattice: &Lattice) -> Self {
-        let hinge = |link: &Link| Hinge::new(pattern, memberships, lattice, link);
+        let hinge = |link: &Link| hinge(pattern, memberships, lattice, link);
         let still = Screw::new(Pose::identity());
         let steps = lattice.loops().iter().zip(lattice.steps());
         let corners = lattice.orbits().iter().map(|orbit| {
@@ -123,11 +109,11 @@ impl LatticeMotion {
     /// The sheet has to close at this configuration. Cost: O(orbits).
     pub fn fold(&mut self, groups: &[HalfAngle<f64>]) {
         let CellConfiguration { poses, steps } = &mut self.folded;
-        for hinge in &self.tree {
-            poses[hinge.to as usize] = hinge.cross(&poses[hinge.from as usize], groups);
-        }
+        let product = Product::Renormalised;
+        place_all(poses, self.tree.iter().copied(), groups, product);
         for (screw, (hinge, step)) in steps.iter_mut().zip(&self.loops) {
-            let ahead = hinge.cross(&poses[hinge.from as usize], groups);
+            let half_angle = |member| half_angle(groups, member);
+            let ahead = hinge.cross(&poses[hinge.from as usize], half_angle, product);
             let here = poses[hinge.to as usize];
             let r_wf = (ahead.r_wf * here.r_wf.inverse()).renormalised();
             // The origin of the face here goes to the place that the face ahead gives the step.
@@ -284,14 +270,14 @@ impl LatticeMotion {
             let mut hinges = Vec::new();
             while let Some(before) = orbit.checked_sub(1) {
                 let hinge = &self.tree[before as usize];
-                hinges.push((hinge.spoke(), hinge.pivot));
+                hinges.push((spoke(hinge), hinge.pivot));
                 orbit = hinge.from;
             }
             hinges
         };
         let mut hinges = up(closing.from);
         hinges.reverse();
-        hinges.push((closing.spoke(), closing.pivot));
+        hinges.push((spoke(closing), closing.pivot));
         let back = up(closing.to).into_iter();
         // Crossed the other way, a hinge turns the part beyond back.
         hinges.extend(back.map(|(spoke, pivot)| {
@@ -324,52 +310,34 @@ fn variation_of(group: Option<usize>, variations: &[AngleVariation]) -> AngleVar
     variation.copied().unwrap_or_default()
 }
 
-impl Hinge {
-    fn new(
-        pattern: &CreasePattern,
-        memberships: &[Membership],
-        lattice: &Lattice,
-        link: &Link,
-    ) -> Self {
-        let edge = pattern.edge(link.edge);
-        let [from, to] = [link.from, link.to].map(|face| lattice.coord(face));
-        // A positive turn about the edge's direction lifts its left side.
-        let start = usize::from(edge.faces[0] != Some(link.to));
-        let ends = edge.ends.map(|end| pattern.vertices()[end.index()]);
-        Self {
-            from: from.orbit,
-            to: to.orbit,
-            turns: edge.crease.map(|crease| memberships[crease.index()]),
-            pivot: (ends[0] + ends[1]) / 2.0 - lattice.translation(from.cell),
-            axis: pattern.direction(link.edge, edge.ends[start]),
-        }
+/// Returns the edge between two faces of a cell, or of neighbouring cells, moved to the cell of the first.
+fn hinge(
+    pattern: &CreasePattern,
+    memberships: &[Membership],
+    lattice: &Lattice,
+    link: &Link,
+) -> Hinge {
+    let edge = pattern.edge(link.edge);
+    let [from, to] = [link.from, link.to].map(|face| lattice.coord(face));
+    // A positive turn about the edge's direction lifts its left side.
+    let start = usize::from(edge.faces[0] != Some(link.to));
+    let ends = edge.ends.map(|end| pattern.vertices()[end.index()]);
+    Hinge {
+        from: from.orbit,
+        to: to.orbit,
+        turns: edge.crease.map(|crease| memberships[crease.index()]),
+        pivot: (ends[0] + ends[1]) / 2.0 - lattice.translation(from.cell),
+        axis: pattern.direction(link.edge, edge.ends[start]),
     }
+}
 
-    /// Returns the pose of the face beyond, for points reduced as those of the face that the way comes from.
-    fn cross(&self, parent: &Pose, groups: &[HalfAngle<f64>]) -> Pose {
-        let Some(membership) = self.turns else {
-            return *parent;
-        };
-        let half = groups.get(membership.group.index());
-        let half = half.copied().unwrap_or_default();
-        let half = half.signed(membership.negative);
-        let turn = Rotation::about_crease(half, [self.axis.x, self.axis.y]);
-        let r_wf = (parent.r_wf * turn).renormalised();
-        // The pivot stays where the parent takes it.
-        Pose::about(r_wf, self.pivot, parent.apply(self.pivot))
-    }
-
-    fn group(&self) -> Option<usize> {
-        self.turns.map(|membership| membership.group.index())
-    }
-
-    fn spoke(&self) -> Option<Spoke<f64>> {
-        self.turns.map(|Membership { group, negative }| Spoke {
-            group,
-            negative,
-            direction: self.axis.into(),
-        })
-    }
+/// Returns a hinge that turns as the spoke of a star.
+fn spoke(hinge: &Hinge) -> Option<Spoke<f64>> {
+    hinge.turns.map(|Membership { group, negative }| Spoke {
+        group,
+        negative,
+        direction: hinge.axis.into(),
+    })
 }
 
 #[cfg(test)]

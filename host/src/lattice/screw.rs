@@ -3,7 +3,7 @@
 use foldpath_core::Rotation;
 use nalgebra::Vector3;
 
-use super::pose::Pose;
+use crate::folding::Pose;
 
 /// A rigid motion as a rotation about an axis and a translation along it (Chasles), which makes its powers as
 /// cheap and as exact as the motion itself.

@@ -7,6 +7,7 @@ pub(crate) mod nan_max;
 pub mod parallel;
 pub mod progress;
 pub mod range;
+pub(crate) mod time_cached;
 pub(crate) mod union_find;
 
 /// Gives options of type `T` a method that changes some of them: code in other packages cannot write such a struct out,

@@ -13,7 +13,7 @@ mod near;
 
 use core::ops::Range;
 
-use foldpath_core::{HalfAngle, Membership, Rotation};
+use foldpath_core::{HalfAngle, Membership};
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
@@ -24,20 +24,9 @@ use super::separation::distance;
 use super::tolerances::{
     CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
 };
-use crate::folding::{SpanningTree, Step};
-use crate::lattice::{AngleVariation, DeviationBound, Pose};
+use crate::folding::{Hinge, Pose, Product, SpanningTree, place_all};
+use crate::lattice::{AngleVariation, DeviationBound};
 use crate::pattern::{CreasePattern, FaceId};
-
-/// The step of the spanning tree that reaches a face, and its crease's group and sign.
-#[derive(Clone, Copy, Debug)]
-struct Hinge {
-    step: Step,
-    member: Option<Membership>,
-    /// Distances in the flat sheet: from the pivot of the parent to this pivot (`way`), and from this pivot to the
-    /// farthest corner of the face (`reach`).
-    way: f64,
-    reach: f64,
-}
 
 /// A value at the beginning of an interval, in its middle and at its end.
 type Three<T> = [T; 3];
@@ -47,6 +36,9 @@ type Three<T> = [T; 3];
 #[derive(Clone, Debug, Default)]
 pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
+    /// For each hinge two distances in the flat sheet: from the pivot of the hinge before to this pivot, and from this
+    /// pivot to the farthest corner of the face beyond.
+    reaches: Vec<[f64; 2]>,
     /// For each cluster the panel that has all its pieces, if one has.
     panels: Vec<Option<FaceId>>,
     /// Limit on the deviation of a piece, units of the sheet.
@@ -82,24 +74,21 @@ impl IntervalBroadPhase {
     ) -> Self {
         let faces = pattern.faces().len();
         let mut pivots = vec![None; faces];
-        let hinges = tree.steps().iter().map(|step| {
+        let reaches = tree.steps().iter().map(|step| {
             let pivot = step.pivot;
             let before = pivots[step.parent.index()].unwrap_or(pivot);
             pivots[step.face.index()] = Some(pivot);
             let corners = pattern.faces()[step.face.index()].iter();
             let away = corners.map(|v| (pattern.vertices()[v.index()] - pivot).norm());
-            let member = step.crease.and_then(|c| memberships.get(c.index()));
-            Hinge {
-                step: *step,
-                member: member.copied(),
-                way: (pivot - before).norm(),
-                reach: away.fold(0.0, f64::max),
-            }
+            [(pivot - before).norm(), away.fold(0.0, f64::max)]
         });
-        let hinges: Vec<Hinge> = hinges.collect();
+        let reaches = reaches.collect();
+        let steps = tree.steps().iter();
+        let hinges: Vec<Hinge> = steps.map(|step| Hinge::of(step, memberships)).collect();
         Self {
             panels: near::panels(&hinges, hierarchy, faces),
             hinges,
+            reaches,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
             angles: vec![0.0; groups],
             next: vec![0.0; groups],
@@ -185,13 +174,13 @@ impl IntervalBroadPhase {
         }
         self.bounds.fill(DeviationBound::default());
         self.deviations.fill(0.0);
-        for hinge in &self.hinges {
-            let [face, parent] = [hinge.step.face, hinge.step.parent].map(FaceId::index);
-            let group = hinge.member.map(|member| member.group.index());
+        for (hinge, &[way, reach]) in self.hinges.iter().zip(&self.reaches) {
+            let [face, parent] = [hinge.to, hinge.from].map(|face| face as usize);
+            let group = hinge.group();
             let variation = group.map_or(AngleVariation::default(), |group| self.variations[group]);
-            let bound = self.bounds[parent].across(hinge.way, variation);
+            let bound = self.bounds[parent].across(way, variation);
             self.bounds[face] = bound;
-            let deviation = bound.at(hinge.reach);
+            let deviation = bound.at(reach);
             self.deviations[face] = deviation;
             if deviation.is_nan() || deviation > self.limit {
                 return false;
@@ -204,17 +193,8 @@ impl IntervalBroadPhase {
     fn fold(&mut self, motion: &Motion, pieces: &Pieces, time: Tick, which: usize) {
         motion.half_angles(time, &mut self.half_angles);
         self.poses.fill(Pose::identity());
-        for Hinge { step, member, .. } in &self.hinges {
-            let parent = self.poses[step.parent.index()];
-            self.poses[step.face.index()] = match member {
-                Some(member) => {
-                    let half = self.half_angles[member.group.index()].signed(member.negative);
-                    let turn = Rotation::about_crease(half, step.axis.into());
-                    Pose::about(parent.r_wf * turn, step.pivot, parent.apply(step.pivot))
-                }
-                None => parent,
-            };
-        }
+        let hinges = self.hinges.iter().copied();
+        place_all(&mut self.poses, hinges, &self.half_angles, Product::Plain);
         for (normal, pose) in self.normals[which].iter_mut().zip(&self.poses) {
             *normal = pose.r_wf.rotate(&Vector3::z());
         }

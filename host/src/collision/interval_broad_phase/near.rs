@@ -2,8 +2,9 @@
 
 use core::time::Duration;
 
-use super::{Hinge, IntervalBroadPhase};
+use super::IntervalBroadPhase;
 use crate::collision::hierarchy::Hierarchy;
+use crate::folding::Hinge;
 use crate::pattern::FaceId;
 use crate::util::parallel;
 
@@ -136,8 +137,8 @@ fn is_far(gap: f64, [touching, within]: [f64; 2]) -> bool {
 /// crease is between them along the tree, so that they keep their places relative to each other.
 pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> Vec<Option<FaceId>> {
     let mut of_faces: Vec<FaceId> = (0..faces).map(FaceId::new).collect();
-    for hinge in hinges.iter().filter(|hinge| hinge.member.is_none()) {
-        of_faces[hinge.step.face.index()] = of_faces[hinge.step.parent.index()];
+    for hinge in hinges.iter().filter(|hinge| hinge.turns.is_none()) {
+        of_faces[hinge.to as usize] = of_faces[hinge.from as usize];
     }
     let mut panels: Vec<Option<FaceId>> = Vec::with_capacity(hierarchy.nodes.len());
     for node in &hierarchy.nodes {

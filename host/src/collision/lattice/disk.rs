@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::lattice::Pose;
+use crate::folding::Pose;
 
 /// A disk in space.
 #[derive(Clone, Copy, Debug)]

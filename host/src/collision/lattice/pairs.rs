@@ -13,8 +13,9 @@ use crate::collision::hierarchy::circle;
 use crate::collision::motion::{Motion, Tick};
 use crate::collision::pieces::count;
 use crate::collision::tolerances::{MAX_EVALUATIONS, MAX_OFFSETS, TRANSLATION_RAD, WAKE_TIMES};
+use crate::folding::Pose;
 use crate::lattice::{
-    Lattice, LatticeMotion, LatticeMotionBounds, NeighbourSearch, Orbit, PairClass, Pose, Stretch,
+    Lattice, LatticeMotion, LatticeMotionBounds, NeighbourSearch, Orbit, PairClass, Stretch,
 };
 use crate::pattern::{CreasePattern, FaceId};
 

@@ -39,9 +39,9 @@ use super::contact::{Change, Turn};
 use super::hierarchy::Hierarchy;
 use super::interval_broad_phase::IntervalBroadPhase;
 use super::lattice::CellPairs;
-use super::lazy_folding::LazyFolding;
 use super::motion::{Levers, Motion, SEGMENT, Tick};
 use super::pieces::{Contact, Pieces};
+use super::placed_pieces::PlacedPieces;
 use super::scene::Crossing;
 use super::tolerances::{
     CHAIN_TEAR_RATIO, CROSSING_DEPTH_EDGES, LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS,
@@ -115,7 +115,7 @@ pub struct Sweep<'a> {
     watch: Watch<'a>,
     pieces: Pieces,
     hierarchy: Hierarchy,
-    folding: LazyFolding<'a>,
+    folding: PlacedPieces<'a>,
     chains: Chains<'a>,
     /// For each cluster the chains from its face to those of its children (`within`), and the length of the
     /// list of links that holds them (`kept`).
@@ -219,7 +219,7 @@ impl<'a> Sweep<'a> {
             contact: Contact::new(pattern.median_edge(), options.contact),
             options,
             watch: Watch::default(),
-            folding: LazyFolding::new(pattern, memberships, groups, tree.as_ref(), cells),
+            folding: PlacedPieces::new(pattern, memberships, groups, tree.as_ref(), cells),
             broad_phase,
             unseen: HashMap::new(),
             others: 0,

@@ -6,9 +6,9 @@ use crate::collision::contact::{Change, Parted, Turn, parted};
 use crate::collision::hierarchy::Sphere;
 use crate::collision::interval_broad_phase::IntervalBroadPhase;
 use crate::collision::layers::heights;
-use crate::collision::lazy_folding::Axis;
 use crate::collision::motion::{Motion, Tick};
 use crate::collision::pieces::Pieces;
+use crate::collision::placed_pieces::Axis;
 use crate::collision::separation::{Sector, distance};
 use crate::collision::sweep::Clearance;
 use crate::collision::tolerances::{

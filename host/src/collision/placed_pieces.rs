@@ -1,7 +1,7 @@
-//! The sheet folded lazily: poses, crease lines and spheres at one time are computed when they are first requested, and
-//! cached for that time.
+//! Pieces of a folded sheet, crease lines and spheres at one time after the other: computed when they are first
+//! requested, and kept for that time.
 
-use foldpath_core::{HalfAngle, Membership, Rotation};
+use foldpath_core::Membership;
 use nalgebra::Vector3;
 
 use super::chains::Link;
@@ -9,59 +9,9 @@ use super::hierarchy::{Hierarchy, Sphere};
 use super::lattice::CellPairs;
 use super::motion::{Motion, Tick};
 use super::pieces::{Pieces, Placed};
-use crate::folding::{SpanningTree, Step};
-use crate::lattice::Pose;
+use crate::folding::{LazyFolding, Pose, SpanningTree};
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
-
-/// A cache of items that are valid at one time only. It takes memory only for items that were requested.
-#[derive(Clone, Debug)]
-struct TimeCached<T> {
-    /// For each index the position of its item plus one; 0 if there is none.
-    numbers: Vec<u32>,
-    items: Vec<(Tick, T)>,
-}
-
-impl<T> TimeCached<T> {
-    fn new(count: usize) -> Self {
-        Self {
-            numbers: vec![0; count],
-            items: Vec::new(),
-        }
-    }
-
-    fn number(&self, index: usize) -> Option<usize> {
-        let number = self.numbers.get(index)?;
-        (*number as usize).checked_sub(1)
-    }
-
-    /// Returns the item stored last, of whatever time.
-    fn last(&self, index: usize) -> Option<&T> {
-        self.number(index).map(|number| &self.items[number].1)
-    }
-
-    fn get(&self, index: usize, time: Tick) -> Option<&T> {
-        let (at, item) = &self.items[self.number(index)?];
-        (*at == time).then_some(item)
-    }
-
-    fn forget(&mut self) {
-        for (time, _) in &mut self.items {
-            *time = Tick::MAX;
-        }
-    }
-
-    fn set(&mut self, index: usize, time: Tick, item: T) {
-        if index >= self.numbers.len() {
-            self.numbers.resize(index + 1, 0);
-        }
-        if let Some(number) = self.number(index) {
-            self.items[number] = (time, item);
-        } else {
-            self.items.push((time, item));
-            self.numbers[index] = FaceId::new(self.items.len()).0;
-        }
-    }
-}
+use crate::util::time_cached::TimeCached;
 
 /// The line of a crease in space.
 #[derive(Clone, Copy, Debug)]
@@ -77,17 +27,15 @@ impl Axis {
     }
 }
 
-/// A sheet that is folded at one time after the other.
+/// The pieces of a sheet that is folded at one time after the other.
 #[derive(Clone, Debug)]
-pub(super) struct LazyFolding<'a> {
+pub(super) struct PlacedPieces<'a> {
     pattern: &'a CreasePattern,
-    memberships: &'a [Membership],
     pub(super) time: Tick,
     /// The lattice that says where faces are, if there is one.
     pub(super) cells: Option<CellPairs<'a>>,
-    /// For each face but the roots the step of the spanning tree that reaches it; empty if there is a lattice.
-    steps: Vec<Option<Step>>,
-    half_angles: TimeCached<HalfAngle<f64>>,
+    /// The folding along a tree, if there is no lattice.
+    sheet: LazyFolding,
     frames: TimeCached<Pose>,
     axes: TimeCached<Axis>,
     spheres: TimeCached<Sphere>,
@@ -97,45 +45,37 @@ pub(super) struct LazyFolding<'a> {
     /// Positions of the corners that were placed.
     pub(super) folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
-    way: Vec<Step>,
     open: Vec<u32>,
 }
 
-impl<'a> LazyFolding<'a> {
+impl<'a> PlacedPieces<'a> {
     pub(super) fn new(
         pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
+        memberships: &[Membership],
         groups: usize,
         tree: Option<&SpanningTree>,
         cells: Option<CellPairs<'a>>,
     ) -> Self {
-        let faces = pattern.faces().len();
-        let mut steps = vec![None; if tree.is_some() { faces } else { 0 }];
-        for step in tree.into_iter().flat_map(SpanningTree::steps) {
-            steps[step.face.index()] = Some(*step);
-        }
+        let sheet = tree.map(|tree| LazyFolding::new(tree, memberships, groups));
         Self {
             pattern,
-            memberships,
             time: 0,
             cells,
-            half_angles: TimeCached::new(groups),
-            frames: TimeCached::new(faces),
+            sheet: sheet.unwrap_or_default(),
+            frames: TimeCached::new(pattern.faces().len()),
             axes: TimeCached::new(pattern.creases().len()),
             spheres: TimeCached::new(0),
             spreads: TimeCached::new(0),
             placed: Vec::new(),
             folded: Vec::new(),
             normals: Vec::new(),
-            way: Vec::new(),
             open: Vec::new(),
-            steps,
         }
     }
 
     /// Invalidates everything cached, as for another motion.
     pub(super) fn forget(&mut self) {
-        self.half_angles.forget();
+        self.sheet.forget();
         self.frames.forget();
         self.axes.forget();
         self.spheres.forget();
@@ -149,50 +89,18 @@ impl<'a> LazyFolding<'a> {
         sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
-    fn half_angle(&mut self, motion: &Motion, member: Membership) -> HalfAngle<f64> {
-        let (group, time) = (member.group.index(), self.time);
-        let half = self.half_angles.get(group, time).copied();
-        let half = half.unwrap_or_else(|| {
-            let half = motion.half_angle(group, time);
-            self.half_angles.set(group, time, half);
-            half
-        });
-        half.signed(member.negative)
-    }
-
     fn frame(&mut self, motion: &Motion, face: FaceId) -> Pose {
-        if let Some(frame) = self.frames.get(face.index(), self.time) {
+        let time = self.time;
+        let Some(cells) = &mut self.cells else {
+            let half_angle = |group| motion.half_angle(group, time);
+            return self.sheet.pose(face, time, half_angle);
+        };
+        if let Some(frame) = self.frames.get(face.index(), time) {
             return *frame;
         }
-        let mut way = core::mem::take(&mut self.way);
-        let mut at = face;
-        let mut frame = loop {
-            if let Some(frame) = self.frames.get(at.index(), self.time) {
-                break *frame;
-            }
-            if let Some(cells) = &mut self.cells {
-                let (pose, origin) = cells.pose(motion, self.time, at);
-                let frame = Pose::about(pose.r_wf, origin, pose.p_w);
-                self.frames.set(at.index(), self.time, frame);
-                break frame;
-            }
-            let Some(step) = self.steps[at.index()] else {
-                self.frames.set(at.index(), self.time, Pose::identity());
-                break Pose::identity();
-            };
-            way.push(step);
-            at = step.parent;
-        };
-        while let Some(step) = way.pop() {
-            let member = step.crease.and_then(|c| self.memberships.get(c.index()));
-            if let Some(&member) = member {
-                let half = self.half_angle(motion, member);
-                let turn = Rotation::about_crease(half, step.axis.into());
-                frame = Pose::about(frame.r_wf * turn, step.pivot, frame.apply(step.pivot));
-            }
-            self.frames.set(step.face.index(), self.time, frame);
-        }
-        self.way = way;
+        let (pose, origin) = cells.pose(motion, time, face);
+        let frame = Pose::about(pose.r_wf, origin, pose.p_w);
+        self.frames.set(face.index(), time, frame);
         frame
     }
 

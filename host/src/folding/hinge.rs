@@ -1,0 +1,116 @@
+//! The step by which every folding places a face: from the face before, across the edge between the two.
+
+use foldpath_core::{HalfAngle, Membership, Rotation};
+use nalgebra::Vector2;
+
+use super::pose::Pose;
+use super::tree::Step;
+use crate::pattern::CreaseId;
+
+/// An edge across which a face is placed from another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hinge {
+    /// Position of the pose of the face before.
+    pub(crate) from: u32,
+    /// Position of the pose of the face beyond.
+    pub(crate) to: u32,
+    /// Group and sign of the crease; `None` if the edge stays flat.
+    pub(crate) turns: Option<Membership>,
+    /// A point of the edge in the flat sheet.
+    pub(crate) pivot: Vector2<f64>,
+    /// Unit direction along the edge about which a positive (valley) fold angle turns the face beyond.
+    pub(crate) axis: Vector2<f64>,
+}
+
+/// How the rotation of a face is multiplied with that about a crease. All products are equal, but for rounding.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Product {
+    /// Without the terms that are 0, and renormalised: lengths stay 1 along any number of faces.
+    Measured,
+    /// The general product, renormalised.
+    Renormalised,
+    /// The general product alone.
+    Plain,
+}
+
+impl Product {
+    #[inline]
+    fn of(self, r_wf: Rotation<f64>, half: HalfAngle<f64>, axis: Vector2<f64>) -> Rotation<f64> {
+        let general = || r_wf * Rotation::about_crease(half, axis.into());
+        match self {
+            Self::Measured => r_wf.across_crease(half, axis.into()).renormalised(),
+            Self::Renormalised => general().renormalised(),
+            Self::Plain => general(),
+        }
+    }
+}
+
+impl Hinge {
+    /// Returns the hinge that a step of a spanning tree crosses. `memberships` has group and sign of each crease;
+    /// creases without one stay flat.
+    pub(crate) fn of(step: &Step, memberships: &[Membership]) -> Self {
+        let member = |crease: CreaseId| memberships.get(crease.index()).copied();
+        Self::new(step, step.crease.and_then(member))
+    }
+
+    /// Returns the hinge that a step crosses, if its crease turns as `turns` says.
+    #[inline]
+    pub(super) fn new(step: &Step, turns: Option<Membership>) -> Self {
+        Self {
+            from: step.parent.0,
+            to: step.face.0,
+            turns,
+            pivot: step.pivot,
+            axis: step.axis,
+        }
+    }
+
+    /// Returns the pose of the face beyond, given that of the face before, and half the angle of the group that turns.
+    #[inline]
+    pub(crate) fn cross(
+        &self,
+        before: &Pose,
+        half_angle: impl FnOnce(Membership) -> HalfAngle<f64>,
+        product: Product,
+    ) -> Pose {
+        let Some(member) = self.turns else {
+            return *before;
+        };
+        let half = half_angle(member).signed(member.negative);
+        // The pivot stays where the face before takes it.
+        let pivot_w = before.apply(self.pivot);
+        Pose::about(
+            product.of(before.r_wf, half, self.axis),
+            self.pivot,
+            pivot_w,
+        )
+    }
+
+    /// Returns the group of the crease, if it turns.
+    pub(crate) fn group(&self) -> Option<usize> {
+        self.turns.map(|member| member.group.index())
+    }
+}
+
+/// Places all faces beyond these hinges by half the angles of the groups; groups without one are flat. Each hinge leads
+/// from a face that is placed already. Cost: O(hinges).
+#[inline]
+pub(crate) fn place_all(
+    poses: &mut [Pose],
+    hinges: impl IntoIterator<Item = Hinge>,
+    half_angles: &[HalfAngle<f64>],
+    product: Product,
+) {
+    for hinge in hinges {
+        let before = &poses[hinge.from as usize];
+        let half_angle = |member| half_angle(half_angles, member);
+        poses[hinge.to as usize] = hinge.cross(before, half_angle, product);
+    }
+}
+
+/// Returns half the angle of a crease's group; flat if the group has none.
+#[inline]
+pub(crate) fn half_angle(half_angles: &[HalfAngle<f64>], member: Membership) -> HalfAngle<f64> {
+    let half = half_angles.get(member.group.index());
+    half.copied().unwrap_or_default()
+}
