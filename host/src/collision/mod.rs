@@ -7,29 +7,21 @@
 //! [`Sweep`] judges a whole motion by conservative advancement. `routes.rs` decides for all callers whether the
 //! lattice of a tessellation stands in for its faces, and what a search may cost.
 
-mod chains;
-mod comoving_faces;
-mod contact;
-mod crossing;
 mod hierarchy;
-mod interval_broad_phase;
-mod lattice;
-mod layers;
-mod motion;
+mod narrow;
+mod pairs;
 mod pieces;
 mod placed_pieces;
 mod routes;
 mod scene;
-mod separation;
 mod sweep;
 mod tolerances;
-mod variation;
 
-pub use crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
+pub use narrow::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
+pub use narrow::separation::distance;
+pub(crate) use narrow::separation::face_distance;
 pub use pieces::contact_tolerance;
 pub(crate) use routes::{SearchEffort, Searched, SearchedMotion, is_torn};
 pub use scene::{CollisionScene, Crossing};
-pub use separation::distance;
-pub(crate) use separation::face_distance;
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 pub use tolerances::CONTACT_EDGES;

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::crossing::{ConvexPiece, depth_within, side_crossing_depth};
+use super::narrow::crossing::{ConvexPiece, depth_within, side_crossing_depth};
 use super::tolerances::{
     CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
     MAX_ROUNDING_RATIO,
@@ -216,6 +216,24 @@ impl Pieces {
     pub(super) fn joints(&self, piece: u32) -> &[Joint] {
         let [first, end] = self.joints_of[piece as usize].unwrap_or_default();
         &self.joints[first as usize..end as usize]
+    }
+
+    /// Returns the vertex at a corner of a piece.
+    pub(super) fn vertex(&self, piece: u32, corner: u32) -> VertexId {
+        self.vertices[self.list[piece as usize].corners()][corner as usize]
+    }
+
+    /// Returns the positions of the corners of two pieces at each vertex that they share.
+    pub(super) fn shared(&self, a: u32, b: u32) -> Vec<[u32; 2]> {
+        let corners = |piece: u32| {
+            let corners = self.list[piece as usize].corners();
+            (0..).zip(&self.vertices[corners])
+        };
+        let both = corners(a).flat_map(|(k, v)| {
+            let same = corners(b).filter(move |(_, w)| v == *w);
+            same.map(move |(l, _)| [k, l])
+        });
+        both.collect()
     }
 
     /// Returns the number of pairs of pieces of the same sheet.

@@ -1,15 +1,16 @@
 //! Pieces of a folded sheet, crease lines and spheres at one time after the other: computed when they are first
 //! requested, and kept for that time.
 
-use foldpath_core::Membership;
+use core::ops::Range;
+
 use nalgebra::Vector3;
 
-use super::chains::Link;
 use super::hierarchy::{Hierarchy, Sphere};
-use super::lattice::CellPairs;
-use super::motion::{Motion, Tick};
-use super::pieces::{Pieces, Placed};
-use crate::folding::{LazyFolding, Pose, SpanningTree};
+use super::pairs::PairSource;
+use super::pieces::{Contact, Pieces, Placed};
+use super::sweep::chains::Link;
+use super::sweep::motion::{Motion, Tick};
+use crate::folding::Pose;
 use crate::pattern::{CreaseId, CreasePattern, FaceId};
 use crate::util::time_cached::TimeCached;
 
@@ -28,22 +29,22 @@ impl Axis {
 }
 
 /// The pieces of a sheet that is folded at one time after the other.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct PlacedPieces<'a> {
     pattern: &'a CreasePattern,
+    pub(super) pieces: Pieces,
+    pub(super) hierarchy: Hierarchy,
+    /// Where faces are, and which pairs of them have to be looked at.
+    pub(super) source: Box<dyn PairSource + 'a>,
+    /// `true` if faces are cut when they are first requested. There are no clusters then.
+    cuts_on_request: bool,
     pub(super) time: Tick,
-    /// The lattice that says where faces are, if there is one.
-    pub(super) cells: Option<CellPairs<'a>>,
-    /// The folding along a tree, if there is no lattice.
-    sheet: LazyFolding,
-    frames: TimeCached<Pose>,
     axes: TimeCached<Axis>,
     spheres: TimeCached<Sphere>,
-    spreads: TimeCached<f64>,
     /// Time at which each piece was placed last.
     placed: Vec<Tick>,
-    /// Positions of the corners that were placed.
-    pub(super) folded: Vec<Vector3<f64>>,
+    /// Positions of the corners that were placed, and normals of the pieces.
+    folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
     open: Vec<u32>,
 }
@@ -51,21 +52,19 @@ pub(super) struct PlacedPieces<'a> {
 impl<'a> PlacedPieces<'a> {
     pub(super) fn new(
         pattern: &'a CreasePattern,
-        memberships: &[Membership],
-        groups: usize,
-        tree: Option<&SpanningTree>,
-        cells: Option<CellPairs<'a>>,
+        (pieces, hierarchy): (Pieces, Hierarchy),
+        source: Box<dyn PairSource + 'a>,
+        cuts_on_request: bool,
     ) -> Self {
-        let sheet = tree.map(|tree| LazyFolding::new(tree, memberships, groups));
         Self {
             pattern,
+            pieces,
+            hierarchy,
+            source,
+            cuts_on_request,
             time: 0,
-            cells,
-            sheet: sheet.unwrap_or_default(),
-            frames: TimeCached::new(pattern.faces().len()),
             axes: TimeCached::new(pattern.creases().len()),
-            spheres: TimeCached::new(0),
-            spreads: TimeCached::new(0),
+            spheres: TimeCached::default(),
             placed: Vec::new(),
             folded: Vec::new(),
             normals: Vec::new(),
@@ -75,12 +74,27 @@ impl<'a> PlacedPieces<'a> {
 
     /// Invalidates everything cached, as for another motion.
     pub(super) fn forget(&mut self) {
-        self.sheet.forget();
-        self.frames.forget();
         self.axes.forget();
         self.spheres.forget();
-        self.spreads.forget();
         self.placed.fill(Tick::MAX);
+    }
+
+    /// Returns the faces of two pieces or clusters.
+    pub(super) fn faces(&self, nodes: [u32; 2]) -> [FaceId; 2] {
+        nodes.map(|node| self.hierarchy.nodes[node as usize].face)
+    }
+
+    /// Returns the pieces of two faces.
+    pub(super) fn load(&mut self, faces: [FaceId; 2]) -> [Range<u32>; 2] {
+        let loaded = faces.map(|face| self.pieces.load(self.pattern, face));
+        self.extend();
+        loaded
+    }
+
+    fn extend(&mut self) {
+        if self.cuts_on_request {
+            self.hierarchy.extend(&self.pieces);
+        }
     }
 
     /// Returns the radius of the sphere computed last for a cluster.
@@ -89,19 +103,8 @@ impl<'a> PlacedPieces<'a> {
         sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
-    fn frame(&mut self, motion: &Motion, face: FaceId) -> Pose {
-        let time = self.time;
-        let Some(cells) = &mut self.cells else {
-            let half_angle = |group| motion.half_angle(group, time);
-            return self.sheet.pose(face, time, half_angle);
-        };
-        if let Some(frame) = self.frames.get(face.index(), time) {
-            return *frame;
-        }
-        let (pose, origin) = cells.pose(motion, time, face);
-        let frame = Pose::about(pose.r_wf, origin, pose.p_w);
-        self.frames.set(face.index(), time, frame);
-        frame
+    fn pose(&mut self, motion: &Motion, face: FaceId) -> Pose {
+        self.source.pose(motion, self.time, face)
     }
 
     /// Returns the line of a crease.
@@ -112,10 +115,10 @@ impl<'a> PlacedPieces<'a> {
         let id = self.pattern.creases()[crease.index()];
         let edge = self.pattern.edge(id);
         let start = edge.ends[0];
-        let frame = self.frame(motion, edge.faces[0].unwrap_or_default());
+        let pose = self.pose(motion, edge.faces[0].unwrap_or_default());
         let axis = Axis {
-            point: frame.apply(self.pattern.vertices()[start.index()]),
-            direction: frame.turn(self.pattern.direction(id, start)),
+            point: pose.apply(self.pattern.vertices()[start.index()]),
+            direction: pose.turn(self.pattern.direction(id, start)),
         };
         self.axes.set(crease.index(), self.time, axis);
         axis
@@ -127,29 +130,13 @@ impl<'a> PlacedPieces<'a> {
         a.distance(&b.point)
     }
 
-    /// Returns the spread of a cluster, if it was stored at this time.
-    pub(super) fn spread_of(&self, node: u32) -> Option<f64> {
-        self.spreads.get(node as usize, self.time).copied()
-    }
-
-    /// Stores the spread of a cluster.
-    pub(super) fn set_spread(&mut self, node: u32, spread: f64) {
-        self.spreads.set(node as usize, self.time, spread);
-    }
-
     /// Returns a sphere round a cluster.
-    pub(super) fn sphere(
-        &mut self,
-        motion: &Motion,
-        pieces: &Pieces,
-        hierarchy: &Hierarchy,
-        node: u32,
-    ) -> Sphere {
+    pub(super) fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
         let mut open = core::mem::take(&mut self.open);
         open.push(node);
         let mut last = None;
         while let Some(&node) = open.last() {
-            last = self.sphere_of(motion, pieces, hierarchy, node, &mut open);
+            last = self.sphere_of(motion, node, &mut open);
             if let Some(sphere) = last {
                 self.spheres.set(node as usize, self.time, sphere);
                 open.pop();
@@ -164,22 +151,15 @@ impl<'a> PlacedPieces<'a> {
 
     /// Returns the sphere of a cluster; `None` if the spheres of its children are missing, which are then added
     /// to `open`.
-    fn sphere_of(
-        &mut self,
-        motion: &Motion,
-        pieces: &Pieces,
-        hierarchy: &Hierarchy,
-        node: u32,
-        open: &mut Vec<u32>,
-    ) -> Option<Sphere> {
+    fn sphere_of(&mut self, motion: &Motion, node: u32, open: &mut Vec<u32>) -> Option<Sphere> {
         if let Some(sphere) = self.spheres.get(node as usize, self.time) {
             return Some(*sphere);
         }
-        let Some(children) = hierarchy.nodes[node as usize].children else {
-            let frame = self.frame(motion, pieces.list[node as usize].face);
-            let (center, radius) = hierarchy.circles[node as usize];
+        let Some(children) = self.hierarchy.nodes[node as usize].children else {
+            let pose = self.pose(motion, self.pieces.list[node as usize].face);
+            let (center, radius) = self.hierarchy.circles[node as usize];
             return Some(Sphere {
-                center: frame.apply(center),
+                center: pose.apply(center),
                 radius,
             });
         };
@@ -191,34 +171,53 @@ impl<'a> PlacedPieces<'a> {
         Some(a.round(b))
     }
 
-    /// Places a piece and, with `joined`, the pieces that share a side with it.
-    pub(super) fn put(&mut self, motion: &Motion, pieces: &Pieces, piece: u32, joined: bool) {
-        if joined {
-            for joint in pieces.joints(piece) {
-                self.put(motion, pieces, joint.piece, false);
-            }
+    /// Places two pieces.
+    pub(super) fn put(&mut self, motion: &Motion, nodes: [u32; 2]) {
+        for node in nodes {
+            self.put_piece(motion, node);
         }
-        self.placed.resize(pieces.list.len(), Tick::MAX);
+    }
+
+    fn put_piece(&mut self, motion: &Motion, piece: u32) {
+        self.placed.resize(self.pieces.list.len(), Tick::MAX);
         if self.placed[piece as usize] == self.time {
             return;
         }
         self.placed[piece as usize] = self.time;
-        self.normals.resize(pieces.list.len(), Vector3::zeros());
-        self.folded.resize(pieces.flat.len(), Vector3::zeros());
-        let part = pieces.list[piece as usize];
-        let frame = self.frame(motion, part.face);
-        self.normals[piece as usize] = frame.normal();
+        self.normals
+            .resize(self.pieces.list.len(), Vector3::zeros());
+        self.folded.resize(self.pieces.flat.len(), Vector3::zeros());
+        let part = self.pieces.list[piece as usize];
+        let pose = self.pose(motion, part.face);
+        self.normals[piece as usize] = pose.normal();
         for corner in part.corners() {
-            self.folded[corner] = frame.apply(pieces.flat[corner]);
+            self.folded[corner] = pose.apply(self.pieces.flat[corner]);
         }
     }
 
     /// Returns the placed pieces.
-    pub(super) fn placed<'b>(&'b self, pieces: &'b Pieces) -> Placed<'b> {
+    pub(super) fn placed(&self) -> Placed<'_> {
         Placed {
-            pieces,
+            pieces: &self.pieces,
             folded: &self.folded,
             normals: &self.normals,
         }
+    }
+
+    /// Returns the depth to which two pieces cross, alone or together with those that share a side with them.
+    pub(super) fn depth(&mut self, motion: &Motion, nodes: [u32; 2], contact: Contact) -> f64 {
+        for piece in nodes {
+            self.pieces.join(self.pattern, piece);
+        }
+        self.extend();
+        for piece in nodes {
+            for joint in 0..self.pieces.joints(piece).len() {
+                let joined = self.pieces.joints(piece)[joint].piece;
+                self.put_piece(motion, joined);
+            }
+            self.put_piece(motion, piece);
+        }
+        let tolerance = contact.depth(&self.pieces, nodes);
+        self.placed().depth(nodes[0], nodes[1], tolerance)
     }
 }

@@ -4,7 +4,7 @@
 //! pairs are queried; then budgets. Names end in the unit: median edges, radians, ticks (2^-36 of a segment) or segments.
 //! A ratio has no unit; its comment says of what to what. Limits on numbers of things begin with `MAX_`.
 
-use super::motion::{SEGMENT, Tick};
+use super::sweep::motion::{SEGMENT, Tick};
 use crate::util::range::Range;
 
 /// Depth of contact that a user may choose.

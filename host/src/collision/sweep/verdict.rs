@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::collision::pairs::PairCounts;
+use crate::collision::pieces::Pieces;
 use crate::collision::scene::Crossing;
 use crate::collision::tolerances::CROSSING_DEPTH_EDGES;
 use crate::pattern::FaceId;
@@ -88,6 +90,23 @@ pub struct Clearance {
     pub place: Place,
 }
 
+impl Clearance {
+    /// Returns the distance of two pieces as a clearance.
+    pub(in crate::collision) fn of(
+        pieces: &Pieces,
+        pair: [u32; 2],
+        distance: f64,
+        place: Place,
+    ) -> Self {
+        let [first, second] = pair.map(|piece| pieces.list[piece as usize].face);
+        Self {
+            distance,
+            faces: [first.min(second), first.max(second)],
+            place,
+        }
+    }
+}
+
 /// Outcome of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -130,4 +149,48 @@ pub struct SweepCounts {
     pub skipped_bounds: u64,
     /// Pairs joined by an edge.
     pub skipped_edges: u64,
+}
+
+/// Findings of a sweep so far.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    pub(super) clearance: Option<Clearance>,
+    pub(super) counts: SweepCounts,
+    /// Number of pairs found to share a side.
+    pub(super) joined: u64,
+}
+
+impl Found {
+    /// Returns the smallest distance; infinite if there is none.
+    pub(super) fn best(&self) -> f64 {
+        let best = self.clearance.map(|clearance| clearance.distance);
+        best.unwrap_or(f64::INFINITY)
+    }
+
+    /// Completes the counts after `times` configurations, given those before and the numbers of pairs at each.
+    pub(super) fn complete(
+        &mut self,
+        times: u64,
+        before: &SweepCounts,
+        pairs: &PairCounts,
+        options: &SweepOptions,
+    ) {
+        let counts = &mut self.counts;
+        if options.skip_edges {
+            counts.skipped_edges += times * pairs.joined.unwrap_or(self.joined);
+        }
+        let handled = |c: &SweepCounts| c.tested + c.skipped_bounds + c.skipped_edges;
+        let handled = handled(counts) - handled(before);
+        // Without this skip, pairs are passed over only at times between the tabulated ones, at which only
+        // pairs in contact are queried.
+        let skipped_motion = if options.skip_motion {
+            (times * pairs.representative).saturating_sub(handled)
+        } else {
+            0
+        };
+        let skipped_symmetry = times * (pairs.all - pairs.representative);
+        counts.skipped_motion += skipped_motion;
+        counts.skipped_symmetry += skipped_symmetry;
+        counts.pairs += handled + skipped_motion + skipped_symmetry;
+    }
 }

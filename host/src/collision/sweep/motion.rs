@@ -6,64 +6,27 @@
 use foldpath_core::bernstein::restrict;
 use foldpath_core::{Curve, HalfAngle, Membership};
 
-use super::contact::Change;
-use super::tolerances::{
+use super::Place;
+use super::approach::Levers;
+use super::variation::Variation;
+use crate::collision::narrow::planes::Change;
+use crate::collision::tolerances::{
     MAX_TABLE_ENTRIES, SMALL_PARTS, STEP_MULTIPLES, STILL_RAD, TABULATED_TIMES,
 };
-use super::variation::Variation;
 use crate::lattice::{AngleVariation, Stretch};
 
 /// log2 of the number of ticks in a segment.
 const TICKS: u32 = 36;
 
 /// A time, in units of 2^-36 segments.
-pub(super) type Tick = u64;
+pub(in crate::collision) type Tick = u64;
 
 /// Length of a segment, ticks.
-pub(super) const SEGMENT: Tick = 1 << TICKS;
-
-/// Levers: how far the points of two bodies may approach each other per radian of variation of each crease group.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Levers {
-    per_group: Vec<f64>,
-    touched: Vec<u32>,
-    /// Lever per radian of variation of whichever group varies most.
-    pub(super) any: f64,
-}
-
-impl Levers {
-    pub(super) fn new(groups: usize) -> Self {
-        Self {
-            per_group: vec![0.0; groups],
-            ..Self::default()
-        }
-    }
-
-    pub(super) fn clear(&mut self) {
-        for &group in &self.touched {
-            self.per_group[group as usize] = 0.0;
-        }
-        self.touched.clear();
-        self.any = 0.0;
-    }
-
-    pub(super) fn add(&mut self, group: u32, lever: f64) {
-        let sum = &mut self.per_group[group as usize];
-        if *sum <= 0.0 {
-            self.touched.push(group);
-        }
-        *sum += lever;
-    }
-
-    fn sum(&self, mut varied: impl FnMut(usize) -> f64) -> f64 {
-        let groups = self.touched.iter().map(|&group| group as usize);
-        groups.map(|g| self.per_group[g] * varied(g)).sum()
-    }
-}
+pub(in crate::collision) const SEGMENT: Tick = 1 << TICKS;
 
 /// Segments of curves with their variation.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(in crate::collision) struct Motion {
     segments: usize,
     groups: usize,
     /// For each segment and group its curve, with its variation.
@@ -80,7 +43,7 @@ pub(super) struct Motion {
 impl Motion {
     /// Tabulates a motion. `segments` hold a curve for each group; groups without one stay flat. Cost: O(groups
     /// x segments), and the evaluation of some ten thousand angles at most.
-    pub(super) fn new(segments: &[Vec<Curve<f64>>], groups: usize) -> Self {
+    pub(in crate::collision) fn new(segments: &[Vec<Curve<f64>>], groups: usize) -> Self {
         const FLAT: Curve<f64> = Curve::Angle([0.0; 4]);
         let curve = |segment: &Vec<Curve<f64>>, group| segment.get(group).copied().unwrap_or(FLAT);
         let all = segments.iter().flat_map(|segment| {
@@ -121,14 +84,14 @@ impl Motion {
     }
 
     /// Returns `true` if all variation is finite.
-    pub(super) fn is_finite(&self) -> bool {
+    pub(in crate::collision) fn is_finite(&self) -> bool {
         let curves = self.variations.iter().all(Variation::is_finite);
         curves && self.table.iter().all(|varied| varied.is_finite())
     }
 
     /// Returns for each group `true` if it does not turn over a segment, except for rounding; an empty list if
     /// all groups turn.
-    pub(super) fn still(&self, segment: usize) -> Vec<bool> {
+    pub(in crate::collision) fn still(&self, segment: usize) -> Vec<bool> {
         let variations = self
             .variations
             .iter()
@@ -144,7 +107,7 @@ impl Motion {
 
     /// Returns a bound on the total variation of a crease's angle from one time to another of the same segment,
     /// radians.
-    pub(super) fn turned(&self, times: [Tick; 2], crease: Membership) -> f64 {
+    pub(in crate::collision) fn turned(&self, times: [Tick; 2], crease: Membership) -> f64 {
         let (segment, [s, end]) = self.stretch(times);
         let variation = self.variation(segment, crease);
         variation.until(end) - variation.until(s)
@@ -153,7 +116,12 @@ impl Motion {
     /// Returns a bound on the difference between the turns of two creases from one time to another of the same
     /// segment, radians. With `opposite`, it bounds the difference from turning by opposite angles. Infinite
     /// for half-angle curves.
-    pub(super) fn unlike(&self, times: [Tick; 2], creases: [Membership; 2], opposite: bool) -> f64 {
+    pub(in crate::collision) fn unlike(
+        &self,
+        times: [Tick; 2],
+        creases: [Membership; 2],
+        opposite: bool,
+    ) -> f64 {
         let (segment, [s, end]) = self.stretch(times);
         let opposite = opposite != (creases[0].negative != creases[1].negative);
         let sign = if opposite { -1.0 } else { 1.0 };
@@ -176,27 +144,28 @@ impl Motion {
     }
 
     /// Returns the last time.
-    pub(super) fn end(&self) -> Tick {
+    pub(in crate::collision) fn end(&self) -> Tick {
         (self.segments as Tick) << TICKS
     }
 
     /// Returns the end of a segment.
-    pub(super) fn end_of(&self, segment: usize) -> Tick {
+    pub(in crate::collision) fn end_of(&self, segment: usize) -> Tick {
         ((segment + 1) as Tick) << TICKS
     }
 
-    /// Returns the segment of a time, and the parameter in it, 0 to 1.
-    pub(super) fn place(&self, tick: Tick) -> (usize, f64) {
+    /// Returns the place of a time.
+    pub(in crate::collision) fn place(&self, tick: Tick) -> Place {
         let segment = usize::try_from(tick >> TICKS).unwrap_or(usize::MAX);
         let segment = segment.min(self.segments.saturating_sub(1));
         let rest = tick - ((segment as Tick) << TICKS);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
-        (segment, rest as f64 / (1_u64 << TICKS) as f64)
+        let s = rest as f64 / (1_u64 << TICKS) as f64;
+        Place { segment, s }
     }
 
     /// Returns the segment of two times, and the parameters in it.
     fn stretch(&self, [from, to]: [Tick; 2]) -> (usize, [f64; 2]) {
-        let (segment, s) = self.place(from);
+        let Place { segment, s } = self.place(from);
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
         let end = s + (to - from) as f64 / SEGMENT as f64;
         (segment, [s, end])
@@ -219,22 +188,22 @@ impl Motion {
     }
 
     /// Returns half the angle of a group at a time.
-    pub(super) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
-        let (segment, s) = self.place(tick);
+    pub(in crate::collision) fn half_angle(&self, group: usize, tick: Tick) -> HalfAngle<f64> {
+        let Place { segment, s } = self.place(tick);
         let variation = self.variations.get(segment * self.groups + group);
         variation.map_or_else(HalfAngle::default, |v| v.curve.half_angle(s))
     }
 
     /// Computes half the angle of each group at a time.
-    pub(super) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
+    pub(in crate::collision) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
         for (group, half) in half_angles.iter_mut().enumerate() {
             *half = self.half_angle(group, tick);
         }
     }
 
     /// Computes the angles of all groups at a time, radians.
-    pub(super) fn angles(&self, tick: Tick, angles: &mut [f64]) {
-        let (segment, s) = self.place(tick);
+    pub(in crate::collision) fn angles(&self, tick: Tick, angles: &mut [f64]) {
+        let Place { segment, s } = self.place(tick);
         for (group, angle) in angles.iter_mut().enumerate() {
             let variation = self.variations.get(segment * self.groups + group);
             *angle = variation.map_or(0.0, |v| v.curve.angle(s));
@@ -243,8 +212,13 @@ impl Motion {
 
     /// Computes upper bounds on the absolute second derivative of each group's angle, over each of the `parts`
     /// equal parts of the segment that begins at `tick`.
-    pub(super) fn curvatures(&self, tick: Tick, parts: u32, curvatures: &mut Vec<f64>) {
-        let (segment, _) = self.place(tick);
+    pub(in crate::collision) fn curvatures(
+        &self,
+        tick: Tick,
+        parts: u32,
+        curvatures: &mut Vec<f64>,
+    ) {
+        let segment = self.place(tick).segment;
         let variations = &self.variations[segment * self.groups..][..self.groups];
         curvatures.clear();
         for part in 0..parts {
@@ -254,7 +228,13 @@ impl Motion {
     }
 
     /// Computes the changes of the given groups from one time to another of the same segment.
-    pub(super) fn changes(&self, groups: &[u32], from: Tick, to: Tick, changes: &mut [Change]) {
+    pub(in crate::collision) fn changes(
+        &self,
+        groups: &[u32],
+        from: Tick,
+        to: Tick,
+        changes: &mut [Change],
+    ) {
         let (segment, [s, end]) = self.stretch([from, to]);
         for &group in groups {
             let variation = &self.variations[segment * self.groups + group as usize];
@@ -263,27 +243,27 @@ impl Motion {
     }
 
     /// Returns the first tabulated time after `tick`.
-    pub(super) fn next_tabulated(&self, tick: Tick) -> Tick {
+    pub(in crate::collision) fn next_tabulated(&self, tick: Tick) -> Tick {
         self.tabulated_after(tick, 1)
     }
 
     /// Returns the tabulated time that follows `tick` as number `count`, or the last one.
-    pub(super) fn tabulated_after(&self, tick: Tick, count: usize) -> Tick {
+    pub(in crate::collision) fn tabulated_after(&self, tick: Tick, count: usize) -> Tick {
         ((tick / self.stride + count as Tick) * self.stride).min(self.end())
     }
 
     /// Returns the position of a time among the tabulated ones, if it is one of them.
-    pub(super) fn tabulated(&self, tick: Tick) -> Option<usize> {
+    pub(in crate::collision) fn tabulated(&self, tick: Tick) -> Option<usize> {
         tick.is_multiple_of(self.stride).then(|| self.index(tick))
     }
 
     /// Returns the tabulated time of this position.
-    pub(super) fn tick(&self, index: usize) -> Tick {
+    pub(in crate::collision) fn tick(&self, index: usize) -> Tick {
         index as Tick * self.stride
     }
 
     /// Returns the rest of the interval between tabulated times that contains a time; empty at a tabulated time.
-    pub(super) fn rest(&self, tick: Tick) -> Stretch {
+    pub(in crate::collision) fn rest(&self, tick: Tick) -> Stretch {
         let next = self.index(tick + self.stride - 1);
         let rest = self.tick(next) - tick;
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
@@ -297,7 +277,7 @@ impl Motion {
     /// Returns about the last time after `tick` and before the next tabulated one until which points have
     /// `moved` by no more than `allowance`, and the bound on their motion until then. Returns `None` if that
     /// time is less than a small part of the interval after `tick`.
-    pub(super) fn before_next(
+    pub(in crate::collision) fn before_next(
         &self,
         tick: Tick,
         allowance: f64,
@@ -332,12 +312,12 @@ impl Motion {
     }
 
     /// Returns the time half way from a tabulated one to the next.
-    pub(super) fn half_way(&self, index: usize) -> Tick {
+    pub(in crate::collision) fn half_way(&self, index: usize) -> Tick {
         self.tick(index) + self.stride / 2
     }
 
     /// Returns the curves of the groups over each segment, with the position of the segment's last tabulated time.
-    pub(super) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
+    pub(in crate::collision) fn segments(&self) -> impl Iterator<Item = (usize, Vec<Curve<f64>>)> {
         let all = self.variations.chunks(self.groups.max(1)).enumerate();
         all.map(|(segment, variations)| {
             let curves = variations.iter().map(|variation| variation.curve);
@@ -349,8 +329,12 @@ impl Motion {
     }
 
     /// Computes the variation of each group from a tabulated time to the next.
-    pub(super) fn angle_variations(&self, index: usize, variations: &mut Vec<AngleVariation>) {
-        let (segment, s) = self.place(self.tick(index));
+    pub(in crate::collision) fn angle_variations(
+        &self,
+        index: usize,
+        variations: &mut Vec<AngleVariation>,
+    ) {
+        let Place { segment, s } = self.place(self.tick(index));
         let end = s + 1.0 / self.per_segment();
         variations.clear();
         variations.extend((0..self.groups).map(|group| {
@@ -378,7 +362,7 @@ impl Motion {
         if tick.is_multiple_of(self.stride) {
             return self.moved_tabulated(levers, self.index(tick));
         }
-        let (segment, s) = self.place(tick);
+        let Place { segment, s } = self.place(tick);
         let start = segment * self.index(1 << TICKS) * self.groups;
         levers.sum(|group| {
             let until = self.variations[segment * self.groups + group].until(s);
@@ -414,7 +398,11 @@ impl Motion {
     }
 
     /// Returns times after `from` up to `next`, at growing distances.
-    pub(super) fn halves(&self, from: Tick, next: Tick) -> impl Iterator<Item = Tick> + use<> {
+    pub(in crate::collision) fn halves(
+        &self,
+        from: Tick,
+        next: Tick,
+    ) -> impl Iterator<Item = Tick> + use<> {
         let mut unit = 1 << (from % self.stride).trailing_zeros().min(TICKS);
         let mut at = from;
         core::iter::from_fn(move || {

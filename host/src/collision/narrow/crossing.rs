@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::tolerances::CLOSE_TO_PLANE_RATIO;
+use crate::collision::tolerances::CLOSE_TO_PLANE_RATIO;
 
 /// A convex planar polygon in space.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub struct ConvexPiece<'a> {
 
 impl ConvexPiece<'_> {
     /// Returns the positions of the corners relative to the plane of `other`.
-    pub(super) fn reach(&self, other: &Self, tolerance: f64) -> Reach {
+    pub(in crate::collision) fn reach(&self, other: &Self, tolerance: f64) -> Reach {
         let offset = other.normal.dot(&other.corners[0]);
         let mut reach = Reach {
             low: f64::INFINITY,
@@ -39,7 +39,7 @@ impl ConvexPiece<'_> {
 
     /// Returns the part of `piece` that lies over or under this one, seen along the normal of this one.
     /// Implements the clipping of I. Sutherland, G. Hodgman, "Reentrant polygon clipping", 1974.
-    pub(super) fn part_over(&self, piece: &Self) -> Vec<Vector3<f64>> {
+    pub(in crate::collision) fn part_over(&self, piece: &Self) -> Vec<Vector3<f64>> {
         let mut part = piece.corners.to_vec();
         let next = self.corners.iter().cycle().skip(1);
         for (from, to) in self.corners.iter().zip(next) {
@@ -82,7 +82,7 @@ impl ConvexPiece<'_> {
 
 /// Positions of the corners of a piece relative to the plane of another.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(in crate::collision) struct Reach {
     /// Lowest (`low`) and highest (`high`) signed distance.
     low: f64,
     high: f64,
@@ -100,13 +100,13 @@ impl Reach {
 
     /// Returns `true` if the piece is on one side of the plane and meets it in a corner at most. It then
     /// crosses nothing in the plane, and the other piece can stand on it in that corner only.
-    pub(super) fn is_clear(self, tolerance: f64) -> bool {
+    pub(in crate::collision) fn is_clear(self, tolerance: f64) -> bool {
         self.close <= 1 && self.depth() <= tolerance
     }
 
     /// Returns `true` if the piece is on one side of the plane and touches it in more than a corner. The sheet
     /// may then continue to the other side of the plane across one of the piece's sides.
-    pub(super) fn stands(self, tolerance: f64) -> bool {
+    pub(in crate::collision) fn stands(self, tolerance: f64) -> bool {
         let Self {
             low,
             high,
@@ -131,7 +131,7 @@ pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) 
 }
 
 /// Returns the [`crossing_depth`] of two pieces, given their positions relative to each other's plane.
-pub(super) fn depth_within(
+pub(in crate::collision) fn depth_within(
     a: &ConvexPiece<'_>,
     b: &ConvexPiece<'_>,
     reaches: [Reach; 2],

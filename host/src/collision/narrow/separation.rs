@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::crossing::ConvexPiece;
-use super::tolerances::SIDE_ROUNDING_RATIO;
+use crate::collision::tolerances::SIDE_ROUNDING_RATIO;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -164,16 +164,16 @@ fn segments_squared(a: [&Vector3<f64>; 2], b: [&Vector3<f64>; 2]) -> f64 {
 
 /// The corner of a convex piece at a vertex, as an arc on the unit sphere round the vertex.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sector {
+pub(in crate::collision) struct Sector {
     /// Unit directions of the sides, counter-clockwise, at most half a turn apart.
-    pub(super) sides: [Vector3<f64>; 2],
+    pub(in crate::collision) sides: [Vector3<f64>; 2],
     /// Unit normal of the piece.
-    pub(super) normal: Vector3<f64>,
+    pub(in crate::collision) normal: Vector3<f64>,
 }
 
 impl Sector {
     /// Returns the sector of a piece at the corner with this position.
-    pub(super) fn of(piece: &ConvexPiece<'_>, corner: usize) -> Self {
+    pub(in crate::collision) fn of(piece: &ConvexPiece<'_>, corner: usize) -> Self {
         let (count, apex) = (piece.corners.len(), piece.corners[corner]);
         let [next, previous] = [corner + 1, corner + count - 1].map(|k| piece.corners[k % count]);
         Self {
@@ -201,7 +201,7 @@ impl Sector {
 
     /// Returns a lower bound of the angle between two sectors of the same apex, radians; 0 if they intersect
     /// outside the apex.
-    pub(super) fn separation(&self, other: &Self) -> f64 {
+    pub(in crate::collision) fn separation(&self, other: &Self) -> f64 {
         let common = self.normal.cross(&other.normal);
         if [common, -common]
             .iter()

@@ -8,7 +8,7 @@ use super::crossing::ConvexPiece;
 /// Returns the signed heights of `b` over the plane of `a` and of `a` over the plane of `b`. Each height is
 /// measured along the normal of the plane, in the middle of the part of the piece that lies over or under the
 /// other one. Returns `None` if such a part is empty, or no more than a strip about as narrow as `tolerance`.
-pub(super) fn heights(
+pub(in crate::collision) fn heights(
     a: &ConvexPiece<'_>,
     b: &ConvexPiece<'_>,
     tolerance: f64,

@@ -9,8 +9,8 @@ use core::f64::consts::PI;
 use foldpath_core::Curve;
 use foldpath_core::bernstein::{differences, halves, max_coefficient, max_difference, restrict};
 
-use super::contact::Change;
-use super::tolerances::{MAX_BISECTIONS, MAX_COEFFICIENT, MAX_SUBDIVISIONS};
+use crate::collision::narrow::planes::Change;
+use crate::collision::tolerances::{MAX_BISECTIONS, MAX_COEFFICIENT, MAX_SUBDIVISIONS};
 
 /// A part of a segment from `start` on.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
-use super::tolerances::{MAX_FACES_OF_DISTANCES, PARALLEL_RAD, TURNING_COST};
+use crate::collision::tolerances::{MAX_FACES_OF_DISTANCES, PARALLEL_RAD, TURNING_COST};
 use crate::folding::{SpanningTree, Step, Tear};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::parallel;
@@ -16,31 +16,31 @@ use crate::util::progress::Watch;
 const TIME_PER_FACE: Duration = Duration::from_nanos(20);
 
 /// A way from a face to another: the edges in order, each with the face beyond it.
-pub(super) type Way = Vec<(EdgeId, FaceId)>;
+pub(in crate::collision) type Way = Vec<(EdgeId, FaceId)>;
 
 /// A crease of a chain, or two creases that turn by opposite angles about parallel lines: the part beyond such
 /// a pair does not turn, but moves on a circle whose radius is the distance of the lines.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Link {
-    pub(super) group: u32,
+pub(in crate::collision) struct Link {
+    pub(in crate::collision) group: u32,
     /// The two creases; a single crease appears twice.
-    pub(super) creases: [CreaseId; 2],
+    pub(in crate::collision) creases: [CreaseId; 2],
     /// For each crease its position in the chain, and `true` if a positive group angle turns the part beyond
     /// about the direction of the crease's edge.
-    pub(super) places: [(u32, bool); 2],
+    pub(in crate::collision) places: [(u32, bool); 2],
 }
 
 /// A chain as a range of the list of links: its single creases in order (`start..pairs`), and its pairs (`pairs..end`).
 #[derive(Clone, Debug, Default)]
-pub(super) struct Chain {
+pub(in crate::collision) struct Chain {
     start: usize,
     pairs: usize,
     end: usize,
     /// Bounds on the difference between the positions of the faces at its ends and those that its creases give them. Torn
     /// edges on the way cause it: `tear` is for points of the faces, in units of the sheet, `turn` for directions, in
     /// radians.
-    pub(super) tear: f64,
-    pub(super) turn: f64,
+    pub(in crate::collision) tear: f64,
+    pub(in crate::collision) turn: f64,
 }
 
 /// The spanning tree along which the sheet is folded, and bounds on the tears at the edges off the tree.
@@ -128,10 +128,10 @@ impl Crossed {
 
 /// Chains, one behind the other in one list of links.
 #[derive(Clone, Debug)]
-pub(super) struct Chains<'a> {
+pub(in crate::collision) struct Chains<'a> {
     memberships: &'a [Membership],
     /// For each group `true` if it does not turn in the current phase; empty if all may turn.
-    pub(super) still: Vec<bool>,
+    pub(in crate::collision) still: Vec<bool>,
     links: Vec<Link>,
     /// For each face, once requested, the distance to it from every other face (`known`); not kept on large
     /// sheets (`keeps`).
@@ -203,7 +203,7 @@ impl Search {
 impl<'a> Chains<'a> {
     /// Creates an empty list of chains of a sheet that is folded along a tree and torn at edges off the tree. Without a
     /// tree, chains are requested only for faces near each other, so that distances are not kept.
-    pub(super) fn new(
+    pub(in crate::collision) fn new(
         pattern: &CreasePattern,
         memberships: &'a [Membership],
         folded: Option<(&SpanningTree, &[Tear])>,
@@ -223,14 +223,14 @@ impl<'a> Chains<'a> {
     }
 
     /// Returns how far the sheet may be torn at an edge: an angle in radians, and a distance at the edge.
-    pub(super) fn tear(&self, edge: EdgeId) -> [f64; 2] {
+    pub(in crate::collision) fn tear(&self, edge: EdgeId) -> [f64; 2] {
         let torn = self.torn.as_ref();
         torn.map_or([0.0; 2], |torn| torn.tears[edge.index()])
     }
 
     /// Sets the groups that do not turn from now on, one flag each; an empty list lets all groups turn. Returns
     /// `true` if this changes the flags.
-    pub(super) fn keep_still(&mut self, still: Vec<bool>) -> bool {
+    pub(in crate::collision) fn keep_still(&mut self, still: Vec<bool>) -> bool {
         let others = self.still != still;
         if others {
             self.still = still;
@@ -240,34 +240,34 @@ impl<'a> Chains<'a> {
     }
 
     /// Returns the length of the list of links.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::collision) fn len(&self) -> usize {
         self.links.len()
     }
 
     /// Removes all links of the list behind this length.
-    pub(super) fn truncate(&mut self, len: usize) {
+    pub(in crate::collision) fn truncate(&mut self, len: usize) {
         self.links.truncate(len);
     }
 
     /// Returns all links of a chain.
-    pub(super) fn links(&self, chain: &Chain) -> &[Link] {
+    pub(in crate::collision) fn links(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.start..chain.end]
     }
 
     /// Returns the single creases of a chain, in order.
-    pub(super) fn singles(&self, chain: &Chain) -> &[Link] {
+    pub(in crate::collision) fn singles(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.start..chain.pairs]
     }
 
     /// Returns the pairs of a chain.
-    pub(super) fn pairs(&self, chain: &Chain) -> &[Link] {
+    pub(in crate::collision) fn pairs(&self, chain: &Chain) -> &[Link] {
         &self.links[chain.pairs..chain.end]
     }
 
     /// Returns a shortest chain from a face to another of the same sheet, with few creases that turn and with
     /// few bends; round a vertex, if one is given. Returns `None` if no chain joins them. Cost: O(n log n) for
     /// n faces not farther away; the length of the chain where faces are joined without loops.
-    pub(super) fn find(
+    pub(in crate::collision) fn find(
         &mut self,
         pattern: &CreasePattern,
         [from, to]: [FaceId; 2],
@@ -295,7 +295,7 @@ impl<'a> Chains<'a> {
 
     /// Returns for each pair of faces the way that [`find`](Self::find) takes, if a search for it is needed. Pairs with
     /// the same second face share a search, and the threads share the searches. Once the watch is over, ways are missing.
-    pub(super) fn ways(
+    pub(in crate::collision) fn ways(
         &self,
         pattern: &CreasePattern,
         pairs: &[[FaceId; 2]],
@@ -361,7 +361,7 @@ impl<'a> Chains<'a> {
 
     /// Returns the chain from a face to another along the spanning tree, on which nothing is torn. Returns `None` if no
     /// chain joins them, or there is no tree. Cost: O(length of the chain).
-    pub(super) fn along_tree(
+    pub(in crate::collision) fn along_tree(
         &mut self,
         pattern: &CreasePattern,
         faces: [FaceId; 2],
@@ -371,7 +371,7 @@ impl<'a> Chains<'a> {
     }
 
     /// Makes the chain from a face along a way.
-    pub(super) fn chain(
+    pub(in crate::collision) fn chain(
         &mut self,
         pattern: &CreasePattern,
         from: FaceId,

@@ -13,18 +13,18 @@ use super::crossing::ConvexPiece;
 /// A crease between the pieces, seen from the fixed one: its line, and the direction in which a positive group
 /// angle turns the part beyond.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
-    pub(super) group: u32,
-    pub(super) point: Vector3<f64>,
+pub(in crate::collision) struct Turn {
+    pub(in crate::collision) group: u32,
+    pub(in crate::collision) point: Vector3<f64>,
     /// Unit direction of the axis of a positive turn.
-    pub(super) about: Vector3<f64>,
+    pub(in crate::collision) about: Vector3<f64>,
 }
 
 /// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`), radians.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Change {
-    pub(super) by: f64,
-    pub(super) off: f64,
+pub(in crate::collision) struct Change {
+    pub(in crate::collision) by: f64,
+    pub(in crate::collision) off: f64,
 }
 
 /// A corner over a plane.
@@ -38,7 +38,7 @@ struct Corner {
 
 /// The corners of a piece over a plane that separates it from another.
 #[derive(Clone, Debug)]
-pub(super) struct Parted {
+pub(in crate::collision) struct Parted {
     turns: Vec<u32>,
     corners: Vec<Corner>,
 }
@@ -47,7 +47,7 @@ pub(super) struct Parted {
 /// the plane of `piece`, in both directions, and the planes upright on it through its sides. The turns lead
 /// from `piece` to `other`. If `other` came from `above` the piece (or from below), the plane of `piece` counts
 /// only with `other` on that side.
-pub(super) fn parted(
+pub(in crate::collision) fn parted(
     piece: &ConvexPiece<'_>,
     other: &ConvexPiece<'_>,
     turns: &[Turn],
@@ -96,7 +96,7 @@ fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[T
 
 impl Parted {
     /// Returns `true` if no corner comes lower than `-tolerance` while the groups make these changes.
-    pub(super) fn holds(&self, changes: &[Change], tolerance: f64) -> bool {
+    pub(in crate::collision) fn holds(&self, changes: &[Change], tolerance: f64) -> bool {
         self.corners
             .iter()
             .all(|corner| self.lowest(corner, changes) >= -tolerance)

@@ -157,8 +157,8 @@ pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::motion::Motion;
     use crate::collision::pieces::Pieces;
+    use crate::collision::sweep::motion::Motion;
     use crate::folding::SpanningTree;
     use crate::generate::Miura;
     use crate::pattern::CreasePattern;

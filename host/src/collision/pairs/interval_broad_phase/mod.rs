@@ -16,12 +16,12 @@ use core::ops::Range;
 use foldpath_core::{HalfAngle, Membership};
 use nalgebra::Vector3;
 
-use super::crossing::ConvexPiece;
-use super::hierarchy::Hierarchy;
-use super::motion::{Motion, SEGMENT, Tick};
-use super::pieces::Pieces;
-use super::separation::distance;
-use super::tolerances::{
+use crate::collision::hierarchy::Hierarchy;
+use crate::collision::narrow::crossing::ConvexPiece;
+use crate::collision::narrow::separation::distance;
+use crate::collision::pieces::Pieces;
+use crate::collision::sweep::motion::{Motion, SEGMENT, Tick};
+use crate::collision::tolerances::{
     CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
 };
 use crate::folding::{Hinge, Pose, Product, SpanningTree, place_all};
@@ -319,6 +319,7 @@ mod tests {
     use core::f64::consts::PI;
 
     use super::*;
+    use crate::collision::sweep::Place;
     use crate::folding::FoldingMap;
     use crate::generate::{Miura, Waterbomb};
     use crate::pattern::{Drawing, DrawnEdge, Letter};
@@ -426,7 +427,7 @@ mod tests {
                 parted += pairs.len();
                 for part in 0..=10 {
                     let time = broad_phase.from + (broad_phase.to - broad_phase.from) / 10 * part;
-                    let (segment, s) = motion.place(time.min(broad_phase.to - 1));
+                    let Place { segment, s } = motion.place(time.min(broad_phase.to - 1));
                     let angles: Vec<_> = segments[segment].iter().map(|c| c.angle(s)).collect();
                     map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
                     let at = |piece: u32| {

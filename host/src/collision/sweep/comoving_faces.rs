@@ -6,9 +6,9 @@ use core::f64::consts::PI;
 
 use foldpath_core::Membership;
 
-use super::motion::{Motion, Tick};
-use super::placed_pieces::Axis;
-use super::tolerances::{MAX_HINGES, NEARLY_AT_REST_RATIO};
+use super::motion::{Motion, SEGMENT, Tick};
+use crate::collision::placed_pieces::Axis;
+use crate::collision::tolerances::{MAX_HINGES, MAX_LOG2_PARTS, NEARLY_AT_REST_RATIO};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::util::union_find::UnionFind;
 
@@ -30,6 +30,88 @@ pub(super) struct ComovingFaces {
     pub(super) bodies: Vec<usize>,
     /// `true` if other faces move relative to each other by little more.
     pub(super) nearly: bool,
+}
+
+/// Faces that are at rest relative to each other at the current time of a sweep.
+#[derive(Debug, Default)]
+pub(super) struct ComovingNow {
+    /// The current segment, and for each face the representative of the faces that stay at rest relative to it over the
+    /// whole segment (`bodies`); empty if none do.
+    segment: usize,
+    bodies: Vec<usize>,
+    /// `partners`: for each face the representative of the faces that stay at rest relative to it over the current
+    /// sub-interval of the segment; `apart`: end of this sub-interval; `parts`: log2 of the number of sub-intervals.
+    partners: Vec<usize>,
+    apart: Tick,
+    parts: u32,
+}
+
+impl ComovingNow {
+    /// Begins a motion: nothing is known yet.
+    pub(super) fn begin(&mut self) {
+        self.segment = usize::MAX;
+    }
+
+    /// Returns the segment of a time if it is another than that of the time before.
+    pub(super) fn entered(&self, motion: &Motion, time: Tick) -> Option<usize> {
+        let segment = motion.place(time).segment;
+        (segment != self.segment).then_some(segment)
+    }
+
+    /// Goes to a time. `find` finds the comoving faces from there to another time; `None` if all groups turn. At the
+    /// beginning of a segment these are the faces comoving to its end. If some faces may be comoving over a part of the
+    /// segment only, finds those that are from this time on.
+    pub(super) fn enter(
+        &mut self,
+        motion: &Motion,
+        time: Tick,
+        find: Option<impl FnMut([Tick; 2]) -> ComovingFaces>,
+    ) {
+        let entered = self.entered(motion, time);
+        if entered.is_none() && time < self.apart {
+            return;
+        }
+        if let Some(segment) = entered {
+            let end = motion.end_of(segment);
+            (self.segment, self.parts, self.apart) = (segment, 0, end);
+            self.bodies.clear();
+            self.partners.clear();
+        }
+        let Some(mut find) = find else {
+            return;
+        };
+        if entered.is_some() {
+            let found = find([time, self.apart]);
+            self.bodies = found.bodies;
+            if !found.nearly {
+                return;
+            }
+        }
+        if time == motion.end() {
+            return;
+        }
+        self.parts = self.parts.saturating_sub(1).max(1);
+        loop {
+            let part = SEGMENT >> self.parts;
+            self.apart = (time / part + 1) * part;
+            let found = find([time, self.apart]);
+            self.partners = found.bodies;
+            if !found.nearly || self.parts == MAX_LOG2_PARTS {
+                break;
+            }
+            self.parts += 1;
+        }
+    }
+
+    /// Returns the time until which two faces keep their positions relative to each other, if they do for a while.
+    pub(super) fn until(&self, motion: &Motion, faces: [FaceId; 2]) -> Option<Tick> {
+        let alike = |bodies: &[usize]| {
+            let [a, b] = faces.map(|face| bodies.get(face.index()));
+            a.is_some() && a == b
+        };
+        let whole = alike(&self.bodies).then(|| motion.end_of(self.segment));
+        whole.or_else(|| alike(&self.partners).then_some(self.apart))
+    }
 }
 
 /// Finds the faces that are at rest relative to each other from one time to another of the same segment.
@@ -175,7 +257,6 @@ mod tests {
     use nalgebra::{Vector2, Vector3};
 
     use super::*;
-    use crate::collision::motion::SEGMENT;
     use crate::pattern::{Drawing, DrawnEdge, Letter};
 
     /// Returns a panel and, beyond a line, two flaps with a slit between them.
