@@ -6,6 +6,7 @@ use foldpath_core::Membership;
 use super::chains::{Chain, Chains};
 use super::motion::Motion;
 use super::queue::{Kind, Pair};
+use super::ways::Ways;
 use crate::collision::hierarchy::{Hierarchy, Sphere};
 use crate::collision::placed_pieces::{Axis, PlacedPieces};
 use crate::collision::tolerances::CHAIN_TEAR_RATIO;
@@ -55,7 +56,6 @@ impl Levers {
 /// The chains of creases between the faces of a sheet, and levers about them.
 #[derive(Debug)]
 pub(super) struct Approach<'a> {
-    pattern: &'a CreasePattern,
     pub(super) chains: Chains<'a>,
     /// For each cluster the chains from its face to those of its children (`within`), and the length of the
     /// list of links that holds them (`kept`).
@@ -81,14 +81,12 @@ impl<'a> Approach<'a> {
         hierarchy: &Hierarchy,
         folded: Option<(&SpanningTree, &[Tear])>,
     ) -> Self {
-        let mut chains = Chains::new(pattern, memberships, folded);
+        let mut chains = Chains::new(Ways::new(pattern, memberships, folded));
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
             children.map(|child| {
                 let faces = [node.face, hierarchy.nodes[child as usize].face];
-                let chain = node
-                    .children
-                    .and_then(|_| chains.find(pattern, faces, None));
+                let chain = node.children.and_then(|_| chains.find(faces, None));
                 chain.unwrap_or_default()
             })
         });
@@ -102,7 +100,6 @@ impl<'a> Approach<'a> {
             tears.push(tear.fold(0.0, f64::max));
         }
         Self {
-            pattern,
             within,
             kept: chains.len(),
             chains,
@@ -121,7 +118,7 @@ impl<'a> Approach<'a> {
 
     /// Makes chains cross few of the creases that turn, given for each group `true` if it does not.
     pub(super) fn keep_still(&mut self, still: Vec<bool>) {
-        self.phase += usize::from(self.chains.keep_still(still));
+        self.phase += usize::from(self.chains.ways.keep_still(still));
     }
 
     /// Returns a chain of creases between the two members of a pair, along which tears use up only a part of `room`: the
@@ -144,7 +141,7 @@ impl<'a> Approach<'a> {
         let along_tree = pair.along_tree.take();
         let along_tree = along_tree.unwrap_or_else(|| {
             let faces = sheet.faces(pair.nodes);
-            let along_tree = self.chains.along_tree(self.pattern, faces);
+            let along_tree = self.chains.along_tree(faces);
             along_tree.unwrap_or(chain)
         });
         pair.along_tree = Some(along_tree.clone());
@@ -163,7 +160,7 @@ impl<'a> Approach<'a> {
             _ => None,
         };
         let faces = sheet.faces(pair.nodes);
-        let chain = self.chains.find(self.pattern, faces, round);
+        let chain = self.chains.find(faces, round);
         let chain = chain.unwrap_or_default();
         (pair.chain, pair.phase) = (Some(chain.clone()), self.phase);
         chain

@@ -106,7 +106,7 @@ impl Sweep<'_> {
             let is_new = |pair: &&[u32; 2]| !self.queue.unseen.contains_key(*pair);
             let new = pairs.iter().filter(is_new);
             let faces: Vec<[FaceId; 2]> = new.map(|pair| self.sheet.faces(*pair)).collect();
-            let ways = self.approach.chains.ways(self.pattern, &faces, self.watch);
+            let ways = self.approach.chains.ways.find_all(&faces, self.watch);
             if self.watch.is_over() {
                 return false;
             }
@@ -119,8 +119,8 @@ impl Sweep<'_> {
                 let faces = self.sheet.faces(*pair);
                 let chains = &mut self.approach.chains;
                 let chain = match ways.next().flatten() {
-                    Some(way) => Some(chains.chain(self.pattern, faces[0], &way)),
-                    None => chains.find(self.pattern, faces, None),
+                    Some(way) => Some(chains.chain(faces[0], &way)),
+                    None => chains.find(faces, None),
                 };
                 if chain.is_some() {
                     self.add_new(*pair, chain, interval);
@@ -155,12 +155,12 @@ impl Sweep<'_> {
     fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Option<Chain>)> {
         let nodes = [a, b].map(|node| self.sheet.hierarchy.nodes[node as usize]);
         let faces = nodes.map(|node| node.face);
-        let (pattern, chains) = (self.pattern, &mut self.approach.chains);
+        let chains = &mut self.approach.chains;
         if a == b {
             return nodes[0].children.map(|_| (Kind::Clusters, None));
         }
         if nodes.iter().any(|node| node.children.is_some()) {
-            let chain = chains.find(pattern, faces, None)?;
+            let chain = chains.find(faces, None)?;
             return Some((Kind::Clusters, Some(chain)));
         }
         if faces[0] == faces[1] {
@@ -174,7 +174,7 @@ impl Sweep<'_> {
             return (!self.options.skip_edges).then_some((Kind::Joined, None));
         }
         if let Some(&corners) = shared.first()
-            && let Some(chain) = chains.find(pattern, faces, Some(pieces.vertex(a, corners[0])))
+            && let Some(chain) = chains.find(faces, Some(pieces.vertex(a, corners[0])))
         {
             return Some((Kind::Vertex(corners), Some(chain)));
         }
@@ -187,7 +187,7 @@ impl Sweep<'_> {
         let chain = if self.along_lattice {
             None
         } else {
-            Some(chains.find(pattern, faces, None)?)
+            Some(chains.find(faces, None)?)
         };
         Some((kind, chain))
     }

@@ -32,6 +32,7 @@ mod queue;
 mod touching;
 mod variation;
 mod verdict;
+mod ways;
 
 pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 
@@ -343,19 +344,19 @@ impl<'a> Sweep<'a> {
             self.approach.keep_still(motion.still(segment));
         }
         let lengths = [self.length, self.contact.base()];
-        let (chains, sheet) = (&self.approach.chains, &mut self.sheet);
+        let (ways, sheet) = (&self.approach.chains.ways, &mut self.sheet);
         let find = |times: [Tick; 2]| {
             comoving_faces(
                 self.pattern,
                 self.memberships,
                 (motion, times),
-                &chains.still,
-                |edge| chains.tear(edge),
+                &ways.still,
+                |edge| ways.tear(edge),
                 |crease| sheet.axis(motion, crease),
                 lengths,
             )
         };
-        let some_are_still = !chains.still.is_empty();
+        let some_are_still = !ways.still.is_empty();
         self.comoving
             .enter(motion, time, some_are_still.then_some(find));
     }

@@ -206,40 +206,6 @@ impl IntervalBroadPhase {
         }
     }
 
-    /// Computes the boxes of all clusters.
-    fn enclose(&mut self, pieces: &Pieces, hierarchy: &Hierarchy) {
-        self.boxes.clear();
-        for (node, cluster) in hierarchy.nodes.iter().enumerate() {
-            let enclosed = match cluster.children {
-                Some(children) => {
-                    let [a, b] = children.map(|child| self.boxes[child as usize]);
-                    [a[0].inf(&b[0]), a[1].sup(&b[1])]
-                }
-                None => {
-                    let piece = pieces.list[node];
-                    let slack = Vector3::repeat(self.deviations[piece.face.index()]);
-                    let corners = piece.corners();
-                    let points = self
-                        .places
-                        .iter()
-                        .flat_map(|places| &places[corners.clone()]);
-                    let start = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
-                    let [low, high] =
-                        points.fold(start, |[low, high], p| [low.inf(p), high.sup(p)]);
-                    [low - slack, high + slack]
-                }
-            };
-            self.boxes.push(enclosed);
-        }
-    }
-
-    #[inline]
-    fn gap(&self, a: u32, b: u32) -> f64 {
-        let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
-        let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
-        apart.sup(&Vector3::zeros()).norm()
-    }
-
     /// Looks for a plane that keeps two pieces farther apart than `touching` from the beginning to the end. Returns
     /// their separations along the plane's normal at the three control points; the first and the last are lower bounds
     /// of their distance at the beginning and at the end. Returns `None` if no such plane is found.

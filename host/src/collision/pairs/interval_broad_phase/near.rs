@@ -1,9 +1,12 @@
-//! Finds the pairs of pieces that may come near each other over an interval, from the boxes of clusters.
+//! Boxes of clusters over an interval, and the pairs of pieces that may come near each other by these boxes.
 
 use core::time::Duration;
 
+use nalgebra::Vector3;
+
 use super::IntervalBroadPhase;
 use crate::collision::hierarchy::Hierarchy;
+use crate::collision::pieces::Pieces;
 use crate::folding::Hinge;
 use crate::pattern::FaceId;
 use crate::util::parallel;
@@ -77,6 +80,40 @@ impl IntervalBroadPhase {
             round = (2 * round).min(MAX_TASKS);
         }
         self.open = open;
+    }
+
+    /// Computes the boxes of all clusters.
+    pub(super) fn enclose(&mut self, pieces: &Pieces, hierarchy: &Hierarchy) {
+        self.boxes.clear();
+        for (node, cluster) in hierarchy.nodes.iter().enumerate() {
+            let enclosed = match cluster.children {
+                Some(children) => {
+                    let [a, b] = children.map(|child| self.boxes[child as usize]);
+                    [a[0].inf(&b[0]), a[1].sup(&b[1])]
+                }
+                None => {
+                    let piece = pieces.list[node];
+                    let slack = Vector3::repeat(self.deviations[piece.face.index()]);
+                    let corners = piece.corners();
+                    let points = self
+                        .places
+                        .iter()
+                        .flat_map(|places| &places[corners.clone()]);
+                    let start = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
+                    let [low, high] =
+                        points.fold(start, |[low, high], p| [low.inf(p), high.sup(p)]);
+                    [low - slack, high + slack]
+                }
+            };
+            self.boxes.push(enclosed);
+        }
+    }
+
+    #[inline]
+    fn gap(&self, a: u32, b: u32) -> f64 {
+        let [a, b] = [a, b].map(|node| &self.boxes[node as usize]);
+        let apart = (b[0] - a[1]).sup(&(a[0] - b[1]));
+        apart.sup(&Vector3::zeros()).norm()
     }
 
     /// Returns `true` after the first interval if all pieces of two clusters are on one panel.
@@ -157,7 +194,6 @@ pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::pieces::Pieces;
     use crate::collision::sweep::motion::Motion;
     use crate::folding::SpanningTree;
     use crate::generate::Miura;
