@@ -8,7 +8,7 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, SearchEffort, SearchedMotion, SweepOptions, SweepVerdict, is_torn,
+    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict, is_torn,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Motion;
@@ -96,12 +96,11 @@ pub(super) fn check_closure(
 pub(super) fn check_crossings(
     path: &Motion,
     tree: &SpanningTree,
-    motion: &MergedGroups,
+    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     options: &CheckOptions,
     watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
-    let pattern = &path.pattern;
     let certified = verdict.certified().map(|most| most.gap);
     let certified = certified.filter(|gap| *gap <= options.bound);
     // The motion of a path that fails may be absurd.
@@ -111,22 +110,12 @@ pub(super) fn check_crossings(
         SearchEffort::CHECK_FAILED
     };
     let gap = certified.unwrap_or_else(|| verdict.rigidity().gap);
-    let options = SweepOptions {
+    let openness = Openness {
         closure: verdict.closure_bound(),
-        contact: verdict.contact_tolerance,
-        max_queries: effort.max_queries,
-        ..SweepOptions::default()
+        gap,
     };
-    let memberships = motion.groups.memberships();
-    let lattice = effort.lattice(pattern, memberships, gap);
-    let searched = SearchedMotion {
-        pattern,
-        memberships,
-        segments: &motion.segments,
-        options,
-        watch,
-    };
-    match searched.search(lattice.as_ref()).verdict {
+    let searched = sheet.search(&motion.segments, &effort, openness, watch);
+    match searched.verdict {
         SweepVerdict::Free(clearance) => {
             // The knots of a torn sheet are looked at once more, each as a whole.
             if is_torn(gap) {

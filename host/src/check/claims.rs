@@ -4,6 +4,7 @@
 use super::clearance::knot_clearances;
 use super::finding::{Failure, RateLimit, Undecided};
 use super::{Measured, MergedGroups, Verdict};
+use crate::collision::SearchedSheet;
 use crate::folding::Rigidity;
 use crate::motion::Motion;
 use crate::progress::Watch;
@@ -83,7 +84,7 @@ pub(super) fn false_rates(path: &Motion, rates: Rates) -> Vec<Failure> {
 /// Judges the claims on distances at knots: returns those that are false, and those of which nothing is known.
 pub(super) fn judge_clearances(
     path: &Motion,
-    motion: &MergedGroups,
+    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     measured: &[Measured],
     watch: Watch<'_>,
 ) -> (Vec<Failure>, Vec<Undecided>) {
@@ -92,7 +93,7 @@ pub(super) fn judge_clearances(
     if claims.all(|claim| claim.is_none()) {
         return (wrong, unknown);
     }
-    let found = knot_clearances(path, motion, measured, watch);
+    let found = knot_clearances(path, (motion, sheet), measured, watch);
     for (knot, (data, found)) in path.knots.iter().zip(found).enumerate() {
         let Some(claimed) = data.claims.clearance else {
             continue;

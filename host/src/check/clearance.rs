@@ -1,14 +1,12 @@
 //! Distances between faces along a path, and the nearest pair of faces, by a sweep of the motion.
 
-use foldpath_core::Curve;
 use serde::Serialize;
 
 use super::Measured;
 use super::merged_groups::MergedGroups;
-use crate::collision::{Place, SearchEffort, Sweep, SweepOptions, SweepVerdict, contact_tolerance};
-use crate::lattice::Lattice;
+use crate::collision::{Openness, Place, SearchEffort, SearchedSheet, Sweep, SweepVerdict};
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::FaceId;
 use crate::progress::Watch;
 
 /// The faces that come nearest to each other on a path, or the first that pass through each other.
@@ -54,17 +52,21 @@ pub(crate) fn clearances_until_over(
         worst: None,
     };
     let motion = MergedGroups::of(path);
-    let Some(search) = Search::new(path, &motion, measured) else {
+    let sheet = SearchedSheet::new(&path.pattern, motion.groups.memberships(), None);
+    let search = |effort| nearest((&motion, &sheet), measured, effort, watch);
+    let (Some(mut whole), Some(mut at_knots)) = (
+        search(&SearchEffort::PICTURE),
+        search(&SearchEffort::PICTURE_SHAPE),
+    ) else {
         return unknown;
     };
-    let mut sweep = search.sweep(SearchEffort::PICTURE, watch);
-    let of_motion = worst(&sweep.sweep(&motion.segments), |at| time(path, at));
+    let of_motion = worst(&whole.sweep(&motion.segments), |at| time(path, at));
     let mut found = Clearances {
         worst: of_motion,
         ..unknown
     };
-    let verdicts = search.at_knots(shapes, watch);
-    for ((clearance, knot), verdict) in found.shapes.iter_mut().zip(&shapes.knots).zip(verdicts) {
+    for (index, (clearance, knot)) in found.shapes.iter_mut().zip(&shapes.knots).enumerate() {
+        let verdict = at_knots.sweep(&[motion.at_rest(shapes, index)]);
         let pair = worst(&verdict, |_| knot.time);
         *clearance = pair.filter(|p| !p.crosses).map(|p| p.distance);
         let worse = |pair: &WorstPair| {
@@ -83,15 +85,16 @@ pub(crate) fn clearances_until_over(
 /// `path`.
 pub(super) fn knot_clearances(
     path: &Motion,
-    motion: &MergedGroups,
+    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     measured: &[Measured],
     watch: Watch<'_>,
 ) -> Vec<Option<f64>> {
-    let Some(search) = Search::new(path, motion, measured) else {
+    let effort = &SearchEffort::PICTURE_SHAPE;
+    let Some(mut sweep) = nearest((motion, sheet), measured, effort, watch) else {
         return vec![None; path.knots.len()];
     };
-    let verdicts = search.at_knots(path, watch);
-    let clearances = verdicts.map(|verdict| match verdict {
+    let knots = 0..path.knots.len();
+    let clearances = knots.map(|knot| match sweep.sweep(&[motion.at_rest(path, knot)]) {
         SweepVerdict::Free(clearance) => Some(clearance.map_or(f64::INFINITY, |c| c.distance)),
         SweepVerdict::Crossing { .. } => Some(0.0),
         SweepVerdict::Undecided { .. } => None,
@@ -99,56 +102,20 @@ pub(super) fn knot_clearances(
     clearances.collect()
 }
 
-/// A search for the nearest faces of a sheet.
-struct Search<'a> {
-    pattern: &'a CreasePattern,
-    motion: &'a MergedGroups,
-    lattice: Option<Lattice>,
-    closure: f64,
-}
-
-impl<'a> Search<'a> {
-    /// Makes a search; `None` if it would take too long, or numbers overflow.
-    fn new(path: &'a Motion, motion: &'a MergedGroups, measured: &[Measured]) -> Option<Self> {
-        let pattern = &*path.pattern;
-        let members = motion.groups.memberships();
-        let gap = (measured.iter().map(|m| m.rigidity.gap)).fold(0.0, f64::max);
-        let lattice = SearchEffort::PICTURE.lattice(pattern, members, gap);
-        let affords = SearchEffort::PICTURE.affords(pattern, lattice.as_ref());
-        (motion.is_finite() && affords).then(|| Self {
-            pattern,
-            motion,
-            lattice,
-            closure: measured.iter().map(|m| m.closure).fold(0.0, f64::max),
-        })
-    }
-
-    fn sweep<'s>(&'s self, effort: SearchEffort, watch: Watch<'s>) -> Sweep<'s> {
-        let options = SweepOptions {
-            closure: self.closure,
-            contact: contact_tolerance(self.pattern),
-            max_queries: effort.max_queries,
-            ..SweepOptions::default()
-        };
-        let members = self.motion.groups.memberships();
-        Sweep::new(self.pattern, members, options, self.lattice.as_ref()).watched(watch)
-    }
-
-    /// Returns the verdict at each knot of `shapes`, one after the other.
-    fn at_knots<'s>(
-        &'s self,
-        shapes: &'s Motion,
-        watch: Watch<'s>,
-    ) -> impl Iterator<Item = SweepVerdict> + 's {
-        let mut sweep = self.sweep(SearchEffort::PICTURE_SHAPE, watch);
-        (0..shapes.knots.len()).map(move |knot| {
-            let leaders = self.motion.leaders.iter();
-            let angles = leaders.map(|&leader| shapes.node(knot, leader).angle);
-            // A motion that stays where it is.
-            let still = angles.map(|angle| Curve::Angle([angle; 4])).collect();
-            sweep.sweep(&[still])
-        })
-    }
+/// Returns a search for the nearest faces; `None` if it would take too long, or numbers overflow.
+fn nearest<'a>(
+    (motion, sheet): (&MergedGroups, &'a SearchedSheet<'_>),
+    measured: &[Measured],
+    effort: &SearchEffort,
+    watch: Watch<'a>,
+) -> Option<Sweep<'a>> {
+    let most = |value: fn(&Measured) -> f64| measured.iter().map(value).fold(0.0, f64::max);
+    let openness = Openness {
+        closure: most(|knot| knot.closure),
+        gap: most(|knot| knot.rigidity.gap),
+    };
+    let finite = motion.is_finite();
+    finite.then(|| sheet.nearest(effort, openness, watch))?
 }
 
 fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPair> {

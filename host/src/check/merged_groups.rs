@@ -63,6 +63,13 @@ impl MergedGroups {
         })
     }
 
+    /// Returns a motion of one segment that stays at a knot of `shapes`, whose creases turn as these groups.
+    pub(super) fn at_rest(&self, shapes: &Motion, knot: usize) -> Vec<Curve<f64>> {
+        let angles = self.leaders.iter();
+        let angles = angles.map(|&leader| shapes.node(knot, leader).angle);
+        angles.map(|angle| Curve::Angle([angle; 4])).collect()
+    }
+
     /// Returns the fold angles of the creases in a segment at `s`, radians.
     pub(super) fn angles(&self, segment: usize, s: f64) -> Vec<f64> {
         let curves = self.segments[segment].iter();

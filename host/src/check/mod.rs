@@ -27,7 +27,7 @@ pub(crate) use knots::differing_hinge;
 pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
-use crate::collision::{Crossing, contact_tolerance};
+use crate::collision::{Crossing, SearchedSheet};
 use crate::folding::{DEFAULT_BOUND, Rigidity, SpanningTree};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
@@ -245,7 +245,6 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     let tree = SpanningTree::from_central_face(&path.pattern);
     let mut verdict = Verdict {
         knots: measure(path, &tree),
-        contact_tolerance: (options.contact).unwrap_or_else(|| contact_tolerance(&path.pattern)),
         ..Verdict::default()
     };
     if options.bound.is_nan() {
@@ -261,6 +260,9 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     let errors = knots::check_rigidity(path, options.bound, &verdict.knots);
     verdict.failures.extend(errors);
     let mut motion = MergedGroups::of(path);
+    let memberships = motion.groups.memberships();
+    let sheet = SearchedSheet::new(&path.pattern, memberships, options.contact);
+    verdict.contact_tolerance = sheet.contact;
     verdict.rates = Rates::of(path, &motion);
     verdict.max_bend = turns::largest_bend(&path.pattern, &motion);
     if options.samples == 0 && !options.sweep {
@@ -285,11 +287,13 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         between::check_shapes(path, &tree, &motion, options, watch, &mut verdict);
         if options.sweep {
             watch.begin(Stage::Crossings);
-            between::check_crossings(path, &tree, &motion, options, watch, &mut verdict);
+            let motion = (&motion, &sheet);
+            between::check_crossings(path, &tree, motion, options, watch, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
-        let (wrong, unknown) = claims::judge_clearances(path, &motion, &verdict.knots, watch);
+        let motion = (&motion, &sheet);
+        let (wrong, unknown) = claims::judge_clearances(path, motion, &verdict.knots, watch);
         verdict.failures.extend(wrong);
         verdict.undecided.extend(unknown);
         let bound = claims::false_bound(path, &verdict);

@@ -1,5 +1,5 @@
-//! Chooses how a motion is searched for crossings. `plan`, `check`, `view` and `plot` all ask here, so that they cannot
-//! choose by different rules.
+//! Chooses how a sheet is searched for crossings. `plan`, `check`, `view` and `plot` all ask here, so that they cannot
+//! choose by different rules, or take different overlaps for contact.
 //!
 //! There are two routes. *Along the lattice* of a tessellation, one pair of faces stands for all pairs that move alike.
 //! *All faces* compares every pair of faces that come near each other. The first is tried where a caller's [`SearchEffort`]
@@ -13,8 +13,11 @@
 //! | [`SearchEffort::PICTURE`]: clearance of a motion | on sheets that are not torn | 1 million | 2,000 faces |
 //! | [`SearchEffort::PICTURE_SHAPE`]: clearance of a shape | like the motion | 200,000 | like the motion |
 
+use std::cell::OnceCell;
+
 use foldpath_core::{Curve, Membership};
 
+use super::pieces::contact_tolerance;
 use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
@@ -59,22 +62,92 @@ impl SearchEffort {
         max_queries: 200_000,
         ..Self::PICTURE
     };
+}
 
-    /// Finds the lattice of a sheet, if this effort uses it on a sheet with gaps of `gap` median edges.
-    pub(crate) fn lattice(
-        &self,
-        pattern: &CreasePattern,
-        memberships: &[Membership],
-        gap: f64,
-    ) -> Option<Lattice> {
-        let large = pattern.faces().len() > self.lattice_above_faces;
-        let used = large && (self.torn_lattice || !is_torn(gap));
-        used.then(|| Lattice::find(pattern, memberships)).flatten()
+/// How far a sheet is from closing on a motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Openness {
+    /// Bound on the closure residuals of all vertices and holes.
+    pub(crate) closure: f64,
+    /// Largest distance between the positions that the faces round a vertex give it, median edges.
+    pub(crate) gap: f64,
+}
+
+/// A sheet that is searched for crossings, with the rule of contact.
+#[derive(Debug)]
+pub(crate) struct SearchedSheet<'a> {
+    pattern: &'a CreasePattern,
+    /// Group and sign of each crease.
+    memberships: &'a [Membership],
+    /// Depth up to which an overlap of faces is contact, median edges.
+    pub(crate) contact: f64,
+    /// The lattice, once requested.
+    lattice: OnceCell<Option<Lattice>>,
+}
+
+impl<'a> SearchedSheet<'a> {
+    /// Takes a sheet and the depth up to which an overlap is contact, median edges; `None` for what the coordinates'
+    /// precision explains.
+    pub(crate) fn new(
+        pattern: &'a CreasePattern,
+        memberships: &'a [Membership],
+        contact: Option<f64>,
+    ) -> Self {
+        Self {
+            pattern,
+            memberships,
+            contact: contact.unwrap_or_else(|| contact_tolerance(pattern)),
+            lattice: OnceCell::new(),
+        }
     }
 
-    /// Returns `true` if a sheet may be searched, with its lattice or without one.
-    pub(crate) fn affords(&self, pattern: &CreasePattern, lattice: Option<&Lattice>) -> bool {
-        lattice.is_some() || pattern.faces().len() <= self.max_faces
+    /// Searches a motion, given a curve for each group in each segment.
+    pub(crate) fn search(
+        &self,
+        segments: &[Vec<Curve<f64>>],
+        effort: &SearchEffort,
+        openness: Openness,
+        watch: Watch<'_>,
+    ) -> Searched {
+        let motion = SearchedMotion {
+            pattern: self.pattern,
+            memberships: self.memberships,
+            segments,
+            options: self.options(effort, openness),
+            watch,
+        };
+        motion.search(self.lattice(effort, openness))
+    }
+
+    /// Returns a search for the nearest faces on motions; `None` if it would take too long.
+    pub(crate) fn nearest<'s>(
+        &'s self,
+        effort: &SearchEffort,
+        openness: Openness,
+        watch: Watch<'s>,
+    ) -> Option<Sweep<'s>> {
+        let lattice = self.lattice(effort, openness);
+        let affords = lattice.is_some() || self.pattern.faces().len() <= effort.max_faces;
+        let options = self.options(effort, openness);
+        let sweep = || Sweep::new(self.pattern, self.memberships, options, lattice);
+        affords.then(|| sweep().watched(watch))
+    }
+
+    fn options(&self, effort: &SearchEffort, openness: Openness) -> SweepOptions {
+        SweepOptions {
+            closure: openness.closure,
+            contact: self.contact,
+            max_queries: effort.max_queries,
+            ..SweepOptions::default()
+        }
+    }
+
+    /// Returns the lattice, if this effort uses it.
+    fn lattice(&self, effort: &SearchEffort, openness: Openness) -> Option<&Lattice> {
+        let large = self.pattern.faces().len() > effort.lattice_above_faces;
+        let used = large && (effort.torn_lattice || !is_torn(openness.gap));
+        let find = || Lattice::find(self.pattern, self.memberships);
+        used.then(|| self.lattice.get_or_init(find).as_ref())?
     }
 }
 
@@ -110,7 +183,7 @@ impl SearchedMotion<'_> {
     }
 
     /// Searches by the lattice if there is one and it decides, and all faces otherwise.
-    pub(crate) fn search(&self, lattice: Option<&Lattice>) -> Searched {
+    fn search(&self, lattice: Option<&Lattice>) -> Searched {
         let along = lattice.and_then(|lattice| self.along_lattice(lattice));
         along.unwrap_or_else(|| self.all_faces())
     }
