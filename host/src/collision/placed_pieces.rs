@@ -2,12 +2,14 @@
 //! requested, and kept for that time.
 
 use core::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::hierarchy::{Hierarchy, Sphere};
-use super::pairs::PairSource;
+use super::pairs::{Batch, PairSource};
 use super::pieces::{Contact, Pieces, Placed};
+use super::sweep::Place;
 use super::sweep::chains::Link;
 use super::sweep::motion::{Motion, Tick};
 use crate::folding::Pose;
@@ -38,6 +40,7 @@ pub(super) struct PlacedPieces<'a> {
     pub(super) source: Box<dyn PairSource + 'a>,
     /// `true` if faces are cut when they are first requested. There are no clusters then.
     cuts_on_request: bool,
+    pub(super) motion: Arc<Motion>,
     pub(super) time: Tick,
     axes: TimeCached<Axis>,
     spheres: TimeCached<Sphere>,
@@ -62,6 +65,7 @@ impl<'a> PlacedPieces<'a> {
             hierarchy,
             source,
             cuts_on_request,
+            motion: Arc::default(),
             time: 0,
             axes: TimeCached::new(pattern.creases().len()),
             spheres: TimeCached::default(),
@@ -72,11 +76,24 @@ impl<'a> PlacedPieces<'a> {
         }
     }
 
-    /// Invalidates everything cached, as for another motion.
-    pub(super) fn forget(&mut self) {
+    /// Goes to the beginning of a motion. Returns the batch and the pairs of pieces that are due there.
+    pub(super) fn begin(&mut self, motion: Motion) -> Option<(Batch, Vec<[u32; 2]>)> {
         self.axes.forget();
         self.spheres.forget();
         self.placed.fill(Tick::MAX);
+        self.motion = Arc::new(motion);
+        self.time = 0;
+        self.source.begin(&self.motion, &self.pieces)
+    }
+
+    /// Returns the place on the motion.
+    pub(super) fn place(&self) -> Place {
+        self.motion.place(self.time)
+    }
+
+    /// Returns `true` at the end of the motion.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.time == self.motion.end()
     }
 
     /// Returns the faces of two pieces or clusters.
@@ -103,19 +120,19 @@ impl<'a> PlacedPieces<'a> {
         sphere.map_or(0.0, |sphere| sphere.radius)
     }
 
-    fn pose(&mut self, motion: &Motion, face: FaceId) -> Pose {
-        self.source.pose(motion, self.time, face)
+    fn pose(&mut self, face: FaceId) -> Pose {
+        self.source.pose(&self.motion, self.time, face)
     }
 
     /// Returns the line of a crease.
-    pub(super) fn axis(&mut self, motion: &Motion, crease: CreaseId) -> Axis {
+    pub(super) fn axis(&mut self, crease: CreaseId) -> Axis {
         if let Some(axis) = self.axes.get(crease.index(), self.time) {
             return *axis;
         }
         let id = self.pattern.creases()[crease.index()];
         let edge = self.pattern.edge(id);
         let start = edge.ends[0];
-        let pose = self.pose(motion, edge.faces[0].unwrap_or_default());
+        let pose = self.pose(edge.faces[0].unwrap_or_default());
         let axis = Axis {
             point: pose.apply(self.pattern.vertices()[start.index()]),
             direction: pose.turn(self.pattern.direction(id, start)),
@@ -125,18 +142,18 @@ impl<'a> PlacedPieces<'a> {
     }
 
     /// Returns the distance between the lines of a pair of creases.
-    pub(super) fn width(&mut self, motion: &Motion, link: &Link) -> f64 {
-        let [a, b] = link.creases.map(|crease| self.axis(motion, crease));
+    pub(super) fn width(&mut self, link: &Link) -> f64 {
+        let [a, b] = link.creases.map(|crease| self.axis(crease));
         a.distance(&b.point)
     }
 
     /// Returns a sphere round a cluster.
-    pub(super) fn sphere(&mut self, motion: &Motion, node: u32) -> Sphere {
+    pub(super) fn sphere(&mut self, node: u32) -> Sphere {
         let mut open = core::mem::take(&mut self.open);
         open.push(node);
         let mut last = None;
         while let Some(&node) = open.last() {
-            last = self.sphere_of(motion, node, &mut open);
+            last = self.sphere_of(node, &mut open);
             if let Some(sphere) = last {
                 self.spheres.set(node as usize, self.time, sphere);
                 open.pop();
@@ -151,12 +168,12 @@ impl<'a> PlacedPieces<'a> {
 
     /// Returns the sphere of a cluster; `None` if the spheres of its children are missing, which are then added
     /// to `open`.
-    fn sphere_of(&mut self, motion: &Motion, node: u32, open: &mut Vec<u32>) -> Option<Sphere> {
+    fn sphere_of(&mut self, node: u32, open: &mut Vec<u32>) -> Option<Sphere> {
         if let Some(sphere) = self.spheres.get(node as usize, self.time) {
             return Some(*sphere);
         }
         let Some(children) = self.hierarchy.nodes[node as usize].children else {
-            let pose = self.pose(motion, self.pieces.list[node as usize].face);
+            let pose = self.pose(self.pieces.list[node as usize].face);
             let (center, radius) = self.hierarchy.circles[node as usize];
             return Some(Sphere {
                 center: pose.apply(center),
@@ -172,13 +189,13 @@ impl<'a> PlacedPieces<'a> {
     }
 
     /// Places two pieces.
-    pub(super) fn put(&mut self, motion: &Motion, nodes: [u32; 2]) {
+    pub(super) fn put(&mut self, nodes: [u32; 2]) {
         for node in nodes {
-            self.put_piece(motion, node);
+            self.put_piece(node);
         }
     }
 
-    fn put_piece(&mut self, motion: &Motion, piece: u32) {
+    fn put_piece(&mut self, piece: u32) {
         self.placed.resize(self.pieces.list.len(), Tick::MAX);
         if self.placed[piece as usize] == self.time {
             return;
@@ -188,7 +205,7 @@ impl<'a> PlacedPieces<'a> {
             .resize(self.pieces.list.len(), Vector3::zeros());
         self.folded.resize(self.pieces.flat.len(), Vector3::zeros());
         let part = self.pieces.list[piece as usize];
-        let pose = self.pose(motion, part.face);
+        let pose = self.pose(part.face);
         self.normals[piece as usize] = pose.normal();
         for corner in part.corners() {
             self.folded[corner] = pose.apply(self.pieces.flat[corner]);
@@ -205,7 +222,7 @@ impl<'a> PlacedPieces<'a> {
     }
 
     /// Returns the depth to which two pieces cross, alone or together with those that share a side with them.
-    pub(super) fn depth(&mut self, motion: &Motion, nodes: [u32; 2], contact: Contact) -> f64 {
+    pub(super) fn depth(&mut self, nodes: [u32; 2], contact: Contact) -> f64 {
         for piece in nodes {
             self.pieces.join(self.pattern, piece);
         }
@@ -213,9 +230,9 @@ impl<'a> PlacedPieces<'a> {
         for piece in nodes {
             for joint in 0..self.pieces.joints(piece).len() {
                 let joined = self.pieces.joints(piece)[joint].piece;
-                self.put_piece(motion, joined);
+                self.put_piece(joined);
             }
-            self.put_piece(motion, piece);
+            self.put_piece(piece);
         }
         let tolerance = contact.depth(&self.pieces, nodes);
         self.placed().depth(nodes[0], nodes[1], tolerance)

@@ -100,7 +100,7 @@ pub(super) struct PairCounts {
 }
 
 /// The sheet as a sweep sees it: where its faces are at a time, and which pairs of them have to be looked at.
-pub(super) trait PairSource: Debug {
+pub(super) trait PairSource: Debug + Send + Sync {
     /// Begins a motion, and returns the batch and the pairs of pieces that are due at its beginning; `None` if all pairs
     /// are to be followed one by one.
     fn begin(&mut self, motion: &Motion, pieces: &Pieces) -> Option<(Batch, Vec<[u32; 2]>)>;

@@ -4,7 +4,6 @@
 use foldpath_core::Membership;
 
 use super::chains::{Chain, Chains};
-use super::motion::Motion;
 use super::queue::{Kind, Pair};
 use super::ways::Ways;
 use crate::collision::hierarchy::{Hierarchy, Sphere};
@@ -53,17 +52,22 @@ impl Levers {
     }
 }
 
+/// Chains within a cluster.
+#[derive(Debug, Default)]
+struct Cluster {
+    /// The chains from its face to those of its children.
+    chains: [Chain; 2],
+    /// Bound on the sum of the tears along the chains from its face to its pieces, units of the sheet.
+    tear: f64,
+}
+
 /// The chains of creases between the faces of a sheet, and levers about them.
 #[derive(Debug)]
 pub(super) struct Approach<'a> {
     pub(super) chains: Chains<'a>,
-    /// For each cluster the chains from its face to those of its children (`within`), and the length of the
-    /// list of links that holds them (`kept`).
-    within: Vec<[Chain; 2]>,
+    /// The chains within each cluster (`clusters`), and the length of the list of links that holds them (`kept`).
+    clusters: Vec<Cluster>,
     kept: usize,
-    /// For each cluster a bound on the sum of the tears along the chains from its face to its pieces, units of the
-    /// sheet.
-    tears: Vec<f64>,
     /// For each cluster a bound on how far its points move as seen from its face, per radian of variation of the group
     /// that varies most.
     spreads: TimeCached<f64>,
@@ -82,28 +86,22 @@ impl<'a> Approach<'a> {
         folded: Option<(&SpanningTree, &[Tear])>,
     ) -> Self {
         let mut chains = Chains::new(Ways::new(pattern, memberships, folded));
-        let within = hierarchy.nodes.iter().map(|node| {
-            let children = node.children.unwrap_or_default();
-            children.map(|child| {
-                let faces = [node.face, hierarchy.nodes[child as usize].face];
-                let chain = node.children.and_then(|_| chains.find(faces, None));
-                chain.unwrap_or_default()
-            })
-        });
-        let within: Vec<[Chain; 2]> = within.collect();
-        let mut tears = Vec::with_capacity(within.len());
-        for (node, chains) in hierarchy.nodes.iter().zip(&within) {
+        let mut clusters: Vec<Cluster> = Vec::with_capacity(hierarchy.nodes.len());
+        for node in &hierarchy.nodes {
+            let mut cluster = Cluster::default();
             // Children come before their cluster.
-            let parts = node.children.unwrap_or_default().into_iter().zip(chains);
-            let parts = parts.filter(|_| node.children.is_some());
-            let tear = parts.map(|(child, chain)| chain.tear + tears[child as usize]);
-            tears.push(tear.fold(0.0, f64::max));
+            for (side, child) in node.children.into_iter().flatten().enumerate() {
+                let faces = [node.face, hierarchy.nodes[child as usize].face];
+                let chain = chains.find(faces, None).unwrap_or_default();
+                cluster.tear = f64::max(cluster.tear, chain.tear + clusters[child as usize].tear);
+                cluster.chains[side] = chain;
+            }
+            clusters.push(cluster);
         }
         Self {
-            within,
+            clusters,
             kept: chains.len(),
             chains,
-            tears,
             spreads: TimeCached::default(),
             phase: 0,
             levers: Levers::new(groups),
@@ -171,13 +169,12 @@ impl<'a> Approach<'a> {
     fn gather(
         &mut self,
         sheet: &mut PlacedPieces<'_>,
-        motion: &Motion,
         chain: &Chain,
         reach: impl Fn(usize, &Axis) -> f64,
     ) {
         self.levers.clear();
         for link in self.chains.pairs(chain) {
-            let width = sheet.width(motion, link) + chain.tear;
+            let width = sheet.width(link) + chain.tear;
             self.levers.add(link.group, width);
         }
         let singles = self.chains.singles(chain);
@@ -185,9 +182,8 @@ impl<'a> Approach<'a> {
             return;
         };
         // On a torn sheet, the lines of creases are off by the tears.
-        let mut lever = |side: usize, k: usize| {
-            reach(side, &sheet.axis(motion, singles[k].creases[0])) + chain.tear
-        };
+        let mut lever =
+            |side: usize, k: usize| reach(side, &sheet.axis(singles[k].creases[0])) + chain.tear;
         let (mut ends, mut levers) = ([0, last], [lever(0, 0), lever(1, last)]);
         for _ in singles {
             let side = usize::from(levers[1] < levers[0]);
@@ -205,15 +201,14 @@ impl<'a> Approach<'a> {
     pub(super) fn gather_spheres(
         &mut self,
         sheet: &mut PlacedPieces<'_>,
-        motion: &Motion,
         chain: &Chain,
         (nodes, spheres): ([u32; 2], [Sphere; 2]),
     ) {
-        self.gather(sheet, motion, chain, |side, axis| {
+        self.gather(sheet, chain, |side, axis| {
             axis.distance(&spheres[side].center) + spheres[side].radius
         });
         for node in nodes {
-            self.levers.any += self.spread(sheet, motion, node);
+            self.levers.any += self.spread(sheet, node);
         }
     }
 
@@ -221,12 +216,11 @@ impl<'a> Approach<'a> {
     pub(super) fn gather_corners(
         &mut self,
         sheet: &mut PlacedPieces<'_>,
-        motion: &Motion,
         chain: &Chain,
         nodes: [u32; 2],
     ) {
         let corners = nodes.map(|node| sheet.placed().piece(node).corners.to_vec());
-        self.gather(sheet, motion, chain, |side, axis| {
+        self.gather(sheet, chain, |side, axis| {
             let away = corners[side].iter().map(|corner| axis.distance(corner));
             away.fold(0.0, f64::max)
         });
@@ -243,12 +237,12 @@ impl<'a> Approach<'a> {
 
     /// Returns a bound on the tears along the chains between all pieces of two clusters, if `chain` is between their faces.
     pub(super) fn tear(&self, chain: &Chain, [a, b]: [u32; 2]) -> f64 {
-        chain.tear + self.tears[a as usize] + self.tears[b as usize]
+        chain.tear + self.clusters[a as usize].tear + self.clusters[b as usize].tear
     }
 
     /// Returns a bound on how far points of a cluster move as seen from its face, per radian of variation of
     /// the group that varies most.
-    fn spread(&mut self, sheet: &mut PlacedPieces<'_>, motion: &Motion, node: u32) -> f64 {
+    fn spread(&mut self, sheet: &mut PlacedPieces<'_>, node: u32) -> f64 {
         let Some(children) = sheet.hierarchy.nodes[node as usize].children else {
             return 0.0;
         };
@@ -257,14 +251,14 @@ impl<'a> Approach<'a> {
         }
         let mut spread = 0.0_f64;
         for (side, child) in children.into_iter().enumerate() {
-            let mut sum = self.spread(sheet, motion, child);
-            let sphere = sheet.sphere(motion, child);
-            let chain = &self.within[node as usize][side];
+            let mut sum = self.spread(sheet, child);
+            let sphere = sheet.sphere(child);
+            let chain = &self.clusters[node as usize].chains[side];
             for link in self.chains.pairs(chain) {
-                sum += sheet.width(motion, link);
+                sum += sheet.width(link);
             }
             for link in self.chains.singles(chain) {
-                let axis = sheet.axis(motion, link.creases[0]);
+                let axis = sheet.axis(link.creases[0]);
                 sum += axis.distance(&sphere.center) + sphere.radius;
             }
             spread = spread.max(sum);

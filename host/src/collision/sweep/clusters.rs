@@ -1,6 +1,6 @@
 //! Pairs of clusters, and the pairs that take their place: of their children, down to pieces.
 
-use super::motion::{Motion, Tick};
+use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::pairs::Batch;
@@ -9,17 +9,12 @@ use crate::collision::tolerances::{SPLIT_RATIO, WAYS_AT_ONCE};
 use crate::pattern::FaceId;
 
 impl Sweep<'_> {
-    pub(super) fn query_clusters(
-        &mut self,
-        motion: &Motion,
-        index: u32,
-        pair: &Pair,
-    ) -> QueryOutcome {
+    pub(super) fn query_clusters(&mut self, index: u32, pair: &Pair) -> QueryOutcome {
         let [a, b] = pair.nodes;
         if a == b || !self.options.skip_bounds {
             return QueryOutcome::Split;
         }
-        let spheres = pair.nodes.map(|node| self.sheet.sphere(motion, node));
+        let spheres = pair.nodes.map(|node| self.sheet.sphere(node));
         let distance = spheres[0].distance(&spheres[1]);
         if distance <= SPLIT_RATIO * spheres[0].radius.max(spheres[1].radius) {
             return QueryOutcome::Split;
@@ -27,17 +22,20 @@ impl Sweep<'_> {
         let chain = self.approach.chain(&self.sheet, &mut self.queue[index]);
         let members = (pair.nodes, spheres);
         self.approach
-            .gather_spheres(&mut self.sheet, motion, &chain, members);
+            .gather_spheres(&mut self.sheet, &chain, members);
         let torn = self.approach.tear(&chain, pair.nodes);
         let room = distance - 2.0 * torn;
         if torn > 0.0 && (room.is_nan() || room <= 0.0) {
             return QueryOutcome::Split;
         }
         let time = self.sheet.time;
-        let until = motion.tabulated_until(&self.approach.levers, time, room);
+        let until = self
+            .sheet
+            .motion
+            .tabulated_until(&self.approach.levers, time, room);
         let outcome = match until {
-            Some(until) => self.next(motion, until, distance, true),
-            None if time == motion.end() => QueryOutcome::Free,
+            Some(until) => self.next(until, distance, true),
+            None if self.sheet.is_at_end() => QueryOutcome::Free,
             None => return QueryOutcome::Split,
         };
         let nodes = pair

@@ -214,8 +214,8 @@ impl<'a> Sweep<'a> {
             let at = motion.place(0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        let before = self.found.counts;
-        self.begin(&motion);
+        let (before, end) = (self.found.counts, motion.end());
+        self.begin(motion);
         let mut times = 0;
         let verdict = loop {
             let Some((time, due)) = self.queue.next() else {
@@ -223,21 +223,21 @@ impl<'a> Sweep<'a> {
             };
             times += 1;
             #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
-            self.watch.part(time as f64 / motion.end() as f64);
-            if let Some(verdict) = self.query_all(&motion, time, due) {
+            self.watch.part(time as f64 / end as f64);
+            if let Some(verdict) = self.query_all(time, due) {
                 break verdict;
             }
         };
         let pairs = self.sheet.source.count(&self.sheet.pieces);
         self.found.complete(times, &before, &pairs, &self.options);
-        match self.overturned(&motion) {
+        match self.overturned() {
             Some((at, overturned)) if at.is_before(&verdict) => overturned,
             _ => verdict,
         }
     }
 
     /// Goes to the beginning of a motion, and adds the pairs that are due there.
-    fn begin(&mut self, motion: &Motion) {
+    fn begin(&mut self, motion: Motion) {
         let counts = self.found.counts;
         self.found = Found {
             counts,
@@ -247,9 +247,8 @@ impl<'a> Sweep<'a> {
         self.queue = Queue::default();
         self.approach.begin();
         self.comoving.begin();
-        self.sheet.forget();
-        let first = self.sheet.source.begin(motion, &self.sheet.pieces);
-        self.enter(motion, 0);
+        let first = self.sheet.begin(motion);
+        self.enter(0);
         match first {
             Some((batch, pairs)) => {
                 self.add_batch(batch, 0);
@@ -263,8 +262,8 @@ impl<'a> Sweep<'a> {
 
     /// Returns the first place at which a hinge turns past half a turn: the faces that it joins then pass
     /// through each other.
-    fn overturned(&self, motion: &Motion) -> Option<(Place, SweepVerdict)> {
-        let (segment, s, group, angle) = motion.overturned(CROSSING_DEPTH_EDGES)?;
+    fn overturned(&self) -> Option<(Place, SweepVerdict)> {
+        let (segment, s, group, angle) = self.sheet.motion.overturned(CROSSING_DEPTH_EDGES)?;
         let at = Place { segment, s };
         let creases = self.pattern.creases().iter().zip(self.memberships);
         let edges = creases.filter(|(_, member)| member.group.index() == group);
@@ -292,19 +291,14 @@ impl<'a> Sweep<'a> {
     }
 
     /// Queries all pairs that are due.
-    fn query_all(
-        &mut self,
-        motion: &Motion,
-        time: Tick,
-        mut due: Vec<u32>,
-    ) -> Option<SweepVerdict> {
-        self.enter(motion, time);
+    fn query_all(&mut self, time: Tick, mut due: Vec<u32>) -> Option<SweepVerdict> {
+        self.enter(time);
         let mut deepest: Option<(Crossing, u32)> = None;
         while let Some(index) = due.pop() {
             if self.is_spent() {
-                return Some(self.undecided(motion, index, time));
+                return Some(self.undecided(index, time));
             }
-            match self.query(motion, index) {
+            match self.query(index) {
                 QueryOutcome::Free | QueryOutcome::Apart(..) => {}
                 QueryOutcome::Until(later) => {
                     self.queue[index].last = Some(time);
@@ -317,7 +311,7 @@ impl<'a> Sweep<'a> {
                     due.push(index);
                     due.extend(self.queue.due_at(time));
                 }
-                QueryOutcome::Undecided => return Some(self.undecided(motion, index, time)),
+                QueryOutcome::Undecided => return Some(self.undecided(index, time)),
                 QueryOutcome::Split => {
                     self.split(index, time);
                     due.extend(self.queue.due_at(time));
@@ -330,17 +324,18 @@ impl<'a> Sweep<'a> {
                 }
             }
         }
-        deepest.map(|(crossing, index)| self.first(motion, crossing, index, time))
+        deepest.map(|(crossing, index)| self.first(crossing, index, time))
     }
 
     /// Goes to a time. At the beginning of another segment, makes chains cross few creases that turn. Finds the comoving
     /// faces from this time on.
-    fn enter(&mut self, motion: &Motion, time: Tick) {
+    fn enter(&mut self, time: Tick) {
         self.sheet.time = time;
         if self.along_lattice {
             return;
         }
-        if let Some(segment) = self.comoving.entered(motion, time) {
+        let motion = self.sheet.motion.clone();
+        if let Some(segment) = self.comoving.entered(&motion, time) {
             self.approach.keep_still(motion.still(segment));
         }
         let lengths = [self.length, self.contact.base()];
@@ -349,26 +344,26 @@ impl<'a> Sweep<'a> {
             comoving_faces(
                 self.pattern,
                 self.memberships,
-                (motion, times),
+                (&motion, times),
                 &ways.still,
                 |edge| ways.tear(edge),
-                |crease| sheet.axis(motion, crease),
+                |crease| sheet.axis(crease),
                 lengths,
             )
         };
         let some_are_still = !ways.still.is_empty();
         self.comoving
-            .enter(motion, time, some_are_still.then_some(find));
+            .enter(&motion, time, some_are_still.then_some(find));
     }
 
-    fn undecided(&self, motion: &Motion, index: u32, time: Tick) -> SweepVerdict {
+    fn undecided(&self, index: u32, time: Tick) -> SweepVerdict {
         let one = !matches!(
             self.queue[index].kind,
             Kind::Batch(Batch::Far | Batch::Interval)
         );
         SweepVerdict::Undecided {
             faces: one.then(|| self.faces(index)),
-            at: motion.place(time),
+            at: self.sheet.motion.place(time),
         }
     }
 
@@ -384,7 +379,7 @@ impl<'a> Sweep<'a> {
 
     /// Returns the verdict on a crossing found at a time; the place is narrowed down by bisection from the last
     /// query of the pair.
-    fn first(&mut self, motion: &Motion, found: Crossing, index: u32, time: Tick) -> SweepVerdict {
+    fn first(&mut self, found: Crossing, index: u32, time: Tick) -> SweepVerdict {
         let pair = self.queue[index].clone();
         let (mut crossing, mut high) = (found, time);
         let mut low = pair.last;
@@ -392,7 +387,7 @@ impl<'a> Sweep<'a> {
             && high - free > LAST_FREE_TICKS
         {
             self.sheet.time = (free + high) / 2;
-            let depth = self.sheet.depth(motion, pair.nodes, self.contact);
+            let depth = self.sheet.depth(pair.nodes, self.contact);
             if depth > self.allowed(&pair) {
                 (crossing, high) = (Crossing::new(found.faces, depth), self.sheet.time);
             } else {
@@ -401,8 +396,8 @@ impl<'a> Sweep<'a> {
         }
         SweepVerdict::Crossing {
             crossing,
-            at: motion.place(high),
-            last_free: low.map(|low| motion.place(low)),
+            at: self.sheet.motion.place(high),
+            last_free: low.map(|low| self.sheet.motion.place(low)),
         }
     }
 }

@@ -25,7 +25,7 @@ pub(in crate::collision) type Tick = u64;
 pub(in crate::collision) const SEGMENT: Tick = 1 << TICKS;
 
 /// Segments of curves with their variation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::collision) struct Motion {
     segments: usize,
     groups: usize,

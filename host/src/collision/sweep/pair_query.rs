@@ -1,38 +1,39 @@
 //! Queries of a sweep: of a pair for its distance at a time and for how long it stays apart, and of batches of pairs.
 
-use super::motion::{Motion, Tick};
+use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{Clearance, QueryOutcome, Sweep};
 use crate::collision::narrow::separation::{Sector, distance};
 use crate::collision::pairs::{Batch, Now};
+use crate::collision::placed_pieces::PlacedPieces;
 use crate::collision::tolerances::MEASURE_RATIO;
 use crate::pattern::FaceId;
 
 impl Sweep<'_> {
-    pub(super) fn query(&mut self, motion: &Motion, index: u32) -> QueryOutcome {
+    pub(super) fn query(&mut self, index: u32) -> QueryOutcome {
         let pair = self.queue[index].clone();
         self.queue[index].above = None;
         match pair.kind {
-            Kind::Clusters => self.query_clusters(motion, index, &pair),
-            Kind::Batch(batch) => self.query_batch(motion, batch),
-            Kind::Pieces | Kind::Meeting => self.query_pieces(motion, index, &pair),
-            Kind::Vertex(corners) => self.query_sectors(motion, index, &pair, corners),
+            Kind::Clusters => self.query_clusters(index, &pair),
+            Kind::Batch(batch) => self.query_batch(batch),
+            Kind::Pieces | Kind::Meeting => self.query_pieces(index, &pair),
+            Kind::Vertex(corners) => self.query_sectors(index, &pair, corners),
             Kind::Joined => {
                 self.found.counts.tested += 1;
-                match self.sheet.depth(motion, pair.nodes, self.contact) {
+                match self.sheet.depth(pair.nodes, self.contact) {
                     depth if depth > 0.0 => QueryOutcome::Crossing(depth),
-                    _ if self.sheet.time == motion.end() => QueryOutcome::Free,
-                    _ => QueryOutcome::Until(motion.next_tabulated(self.sheet.time)),
+                    _ if self.sheet.is_at_end() => QueryOutcome::Free,
+                    _ => QueryOutcome::Until(self.next_tabulated()),
                 }
             }
         }
     }
 
     /// Asks the source of pairs about a batch, and adds the pairs that it names.
-    fn query_batch(&mut self, motion: &Motion, batch: Batch) -> QueryOutcome {
+    fn query_batch(&mut self, batch: Batch) -> QueryOutcome {
         let time = self.sheet.time;
         let now = Now {
-            motion,
+            motion: &self.sheet.motion,
             time,
             pieces: &self.sheet.pieces,
             hierarchy: &self.sheet.hierarchy,
@@ -45,7 +46,7 @@ impl Sweep<'_> {
         self.found.clearance = answer.clearance.or(self.found.clearance);
         let mut measured = 0;
         for faces in answer.measure {
-            measured += self.measure(motion, faces);
+            measured += self.measure(faces);
         }
         self.found.counts.tested += answer.tested;
         self.found.counts.skipped_bounds += answer.skipped.saturating_sub(measured);
@@ -64,31 +65,31 @@ impl Sweep<'_> {
         }
         match answer.outcome {
             QueryOutcome::Apart(_, None) => QueryOutcome::Free,
-            QueryOutcome::Apart(apart, Some(until)) => self.until(motion, until, apart, true),
+            QueryOutcome::Apart(apart, Some(until)) => self.until(until, apart, true),
             outcome => outcome,
         }
     }
 
     /// Measures the distance of two faces, which may be the smallest; returns the number of pairs of pieces measured.
-    fn measure(&mut self, motion: &Motion, faces: [FaceId; 2]) -> u64 {
+    fn measure(&mut self, faces: [FaceId; 2]) -> u64 {
         let [first, second] = self.sheet.load(faces);
         let mut measured = 0;
         for a in first {
             for b in second.clone() {
                 measured += 1;
                 self.found.counts.tested += 1;
-                self.sheet.put(motion, [a, b]);
+                self.sheet.put([a, b]);
                 let placed = self.sheet.placed();
-                self.note(motion, [a, b], distance(&placed.piece(a), &placed.piece(b)));
+                self.note([a, b], distance(&placed.piece(a), &placed.piece(b)));
             }
         }
         measured
     }
 
     /// Stores a distance if it is smaller than all before.
-    fn note(&mut self, motion: &Motion, nodes: [u32; 2], distance: f64) {
+    fn note(&mut self, nodes: [u32; 2], distance: f64) {
         if distance < self.found.best() {
-            let at = motion.place(self.sheet.time);
+            let at = self.sheet.place();
             let clearance = Clearance::of(&self.sheet.pieces, nodes, distance, at);
             self.found.clearance = Some(clearance);
         }
@@ -104,86 +105,79 @@ impl Sweep<'_> {
         }
     }
 
-    fn query_pieces(&mut self, motion: &Motion, index: u32, pair: &Pair) -> QueryOutcome {
+    fn query_pieces(&mut self, index: u32, pair: &Pair) -> QueryOutcome {
         let nodes = pair.nodes;
-        let spheres = nodes.map(|node| self.sheet.sphere(motion, node));
+        let spheres = nodes.map(|node| self.sheet.sphere(node));
         let apart = spheres[0].distance(&spheres[1]);
         let counts = pair.kind == Kind::Pieces;
         let deviation = self.deviation;
-        let comoving = self.comoving_until(motion, nodes);
+        let comoving = self.comoving_until(nodes);
         let far = apart > deviation + MEASURE_RATIO * spheres[0].radius.min(spheres[1].radius);
         if self.options.skip_bounds && far && (apart >= self.found.best() || !counts) {
             self.found.counts.skipped_bounds += 1;
             if let Some(until) = comoving {
-                return self.next(motion, until, apart, false);
+                return self.next(until, apart, false);
             }
-            if let Some(outcome) = self.by_lattice(motion, index, apart - deviation, counts) {
+            if let Some(outcome) = self.by_lattice(index, apart - deviation, counts) {
                 return outcome;
             }
             let pair = &mut self.queue[index];
             let chain = self.approach.chain_within(&self.sheet, pair, apart);
             let members = (nodes, spheres);
             self.approach
-                .gather_spheres(&mut self.sheet, motion, &chain, members);
+                .gather_spheres(&mut self.sheet, &chain, members);
             let allowance = apart - deviation - 2.0 * chain.tear;
-            return self.after(motion, apart, allowance, counts);
+            return self.after(apart, allowance, counts);
         }
         self.found.counts.tested += 1;
-        self.sheet.put(motion, nodes);
+        self.sheet.put(nodes);
         let placed = self.sheet.placed();
         let apart = distance(&placed.piece(nodes[0]), &placed.piece(nodes[1]));
         let tolerance = self.allowed(pair);
         if deviation > 0.0 && apart <= deviation + tolerance {
             return QueryOutcome::Undecided;
         }
-        if let Some(depth) = self.crosses(motion, index, pair, apart) {
+        if let Some(depth) = self.crosses(index, pair, apart) {
             return QueryOutcome::Crossing(depth);
         }
         if counts {
-            self.note(motion, nodes, apart);
+            self.note(nodes, apart);
         }
         if let Some(until) = comoving {
-            return self.next(motion, until, apart, false);
+            return self.next(until, apart, false);
         }
-        if let Some(outcome) = self.by_lattice(motion, index, apart - deviation, counts) {
+        if let Some(outcome) = self.by_lattice(index, apart - deviation, counts) {
             return outcome;
         }
         let room = apart - deviation + self.left_of(tolerance, nodes, apart);
         let pair = &mut self.queue[index];
         let chain = self.approach.chain_within(&self.sheet, pair, room);
-        self.approach
-            .gather_corners(&mut self.sheet, motion, &chain, nodes);
-        let outcome = self.after(motion, apart, room - 2.0 * chain.tear, counts);
-        self.at_contact(motion, index, tolerance, apart, outcome)
+        self.approach.gather_corners(&mut self.sheet, &chain, nodes);
+        let outcome = self.after(apart, room - 2.0 * chain.tear, counts);
+        self.at_contact(index, tolerance, apart, outcome)
     }
 
-    fn query_sectors(
-        &mut self,
-        motion: &Motion,
-        index: u32,
-        pair: &Pair,
-        corners: [u32; 2],
-    ) -> QueryOutcome {
+    fn query_sectors(&mut self, index: u32, pair: &Pair, corners: [u32; 2]) -> QueryOutcome {
         self.found.counts.tested += 1;
-        self.sheet.put(motion, pair.nodes);
+        self.sheet.put(pair.nodes);
         let [angle, reach] = self.between_sectors(pair.nodes, corners);
         let tolerance = self.allowed(pair);
         if self.turn > 0.0 && angle <= self.turn || self.is_split(pair) {
             return QueryOutcome::Undecided;
         }
-        if let Some(depth) = self.crosses(motion, index, pair, angle * reach) {
+        if let Some(depth) = self.crosses(index, pair, angle * reach) {
             return QueryOutcome::Crossing(depth);
         }
-        if let Some(until) = self.comoving_until(motion, pair.nodes) {
-            return self.next(motion, until, angle, false);
+        if let Some(until) = self.comoving_until(pair.nodes) {
+            return self.next(until, angle, false);
         }
         let left = self.left_of(tolerance, pair.nodes, angle);
         let room = angle - self.turn + left / reach;
         let pair = &mut self.queue[index];
         let chain = self.approach.chain_within(&self.sheet, pair, room);
         self.approach.gather_turns(&chain);
-        let outcome = self.after(motion, angle, room - 2.0 * chain.turn, false);
-        self.at_contact(motion, index, tolerance, angle * reach, outcome)
+        let outcome = self.after(angle, room - 2.0 * chain.turn, false);
+        self.at_contact(index, tolerance, angle * reach, outcome)
     }
 
     /// Returns the angle (radians) between the sectors of two placed pieces at their common vertex, and the distance from
@@ -203,73 +197,63 @@ impl Sweep<'_> {
     }
 
     /// Returns the time until which two pieces keep their positions relative to each other, if they do for a while.
-    fn comoving_until(&self, motion: &Motion, nodes: [u32; 2]) -> Option<Tick> {
+    fn comoving_until(&self, nodes: [u32; 2]) -> Option<Tick> {
         let known = self.options.skip_motion;
         known
-            .then(|| self.comoving.until(motion, self.sheet.faces(nodes)))
+            .then(|| {
+                self.comoving
+                    .until(&self.sheet.motion, self.sheet.faces(nodes))
+            })
             .flatten()
     }
 
     /// Returns the next query of a pair of pieces that are `apart`, by the bounds of the lattice; `None` if
     /// there is no lattice, or its bounds allow no step.
-    fn by_lattice(
-        &self,
-        motion: &Motion,
-        index: u32,
-        apart: f64,
-        counts: bool,
-    ) -> Option<QueryOutcome> {
-        let time = self.sheet.time;
-        if time == motion.end() {
+    fn by_lattice(&self, index: u32, apart: f64, counts: bool) -> Option<QueryOutcome> {
+        if self.sheet.is_at_end() {
             return Some(QueryOutcome::Free);
         }
-        let until = (self.sheet.source).until(motion, time, self.faces(index), apart)?;
-        Some(self.until(motion, until, apart, counts))
+        let PlacedPieces {
+            source,
+            motion,
+            time,
+            ..
+        } = &self.sheet;
+        let until = source.until(motion, *time, self.faces(index), apart)?;
+        Some(self.until(until, apart, counts))
     }
 
     /// Returns the next query of members that are `apart` until a time, given a bound on their approach until then.
-    fn until(
-        &self,
-        motion: &Motion,
-        (until, moved): (Tick, f64),
-        apart: f64,
-        counts: bool,
-    ) -> QueryOutcome {
+    fn until(&self, (until, moved): (Tick, f64), apart: f64, counts: bool) -> QueryOutcome {
         if !self.options.skip_motion {
-            return QueryOutcome::Until(until.min(motion.next_tabulated(self.sheet.time)));
+            return QueryOutcome::Until(until.min(self.next_tabulated()));
         }
-        if until == motion.end() && (!counts || apart - moved >= self.found.best()) {
+        if until == self.sheet.motion.end() && (!counts || apart - moved >= self.found.best()) {
             return QueryOutcome::Free;
         }
         QueryOutcome::Until(until)
     }
 
     /// Returns the next query of a pair of pieces that are `apart` and may approach each other by `allowance`.
-    fn after(&self, motion: &Motion, apart: f64, allowance: f64, counts: bool) -> QueryOutcome {
-        let time = self.sheet.time;
-        if time == motion.end() {
+    fn after(&self, apart: f64, allowance: f64, counts: bool) -> QueryOutcome {
+        if self.sheet.is_at_end() {
             return QueryOutcome::Free;
         }
+        let (motion, time) = (&self.sheet.motion, self.sheet.time);
         let levers = &self.approach.levers;
         let until = motion.tabulated_until(levers, time, allowance);
         let until = until.unwrap_or_else(|| motion.until(levers, time, allowance));
-        self.next(motion, until, apart, counts)
+        self.next(until, apart, counts)
     }
 
     /// Returns the next query of a pair that is free until some time. A pair that is free to the end is queried
     /// there only if it may be the nearest pair at the end.
-    pub(super) fn next(
-        &self,
-        motion: &Motion,
-        until: Tick,
-        apart: f64,
-        counts: bool,
-    ) -> QueryOutcome {
-        let time = self.sheet.time;
+    pub(super) fn next(&self, until: Tick, apart: f64, counts: bool) -> QueryOutcome {
+        let (motion, time) = (&self.sheet.motion, self.sheet.time);
         let until = if self.options.skip_motion {
             until
         } else {
-            until.min(motion.next_tabulated(time))
+            until.min(self.next_tabulated())
         };
         let levers = &self.approach.levers;
         let moved = || motion.moved(levers, until) - motion.moved(levers, time);
@@ -278,5 +262,9 @@ impl Sweep<'_> {
             return QueryOutcome::Free;
         }
         QueryOutcome::Until(until)
+    }
+
+    fn next_tabulated(&self) -> Tick {
+        self.sheet.motion.next_tabulated(self.sheet.time)
     }
 }

@@ -1,6 +1,6 @@
 //! Pieces in contact: whether they cross, from which sides they came, and how long a plane keeps them apart.
 
-use super::motion::{Motion, Tick};
+use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::layers::heights;
@@ -11,16 +11,10 @@ impl Sweep<'_> {
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
     /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
     /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
-    pub(super) fn crosses(
-        &mut self,
-        motion: &Motion,
-        index: u32,
-        pair: &Pair,
-        apart: f64,
-    ) -> Option<f64> {
+    pub(super) fn crosses(&mut self, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
         let (nodes, tolerance) = (pair.nodes, self.allowed(pair));
         if apart <= tolerance {
-            let depth = self.sheet.depth(motion, nodes, self.contact);
+            let depth = self.sheet.depth(nodes, self.contact);
             if depth > tolerance {
                 return Some(depth);
             }
@@ -36,9 +30,9 @@ impl Sweep<'_> {
         }
         let came = pair.above.or_else(|| {
             let time = self.sheet.time;
-            let came = self.came_from(motion, pair, [pair.last?, time], tolerance);
+            let came = self.came_from(pair, [pair.last?, time], tolerance);
             self.sheet.time = time;
-            self.sheet.put(motion, nodes);
+            self.sheet.put(nodes);
             came
         });
         self.queue[index].above = came;
@@ -50,7 +44,6 @@ impl Sweep<'_> {
     /// was above the second. Returns `None` if the pieces lay flat on each other all the time.
     fn came_from(
         &mut self,
-        motion: &Motion,
         pair: &Pair,
         [mut from, mut to]: [Tick; 2],
         tolerance: f64,
@@ -59,7 +52,7 @@ impl Sweep<'_> {
         let mut time = from;
         loop {
             self.sheet.time = time;
-            self.sheet.put(motion, nodes);
+            self.sheet.put(nodes);
             // Heights are measured in the middle of sectors, whose ends may be farther apart. At the first time the
             // sectors do not touch, so that any height tells the side.
             let least = match pair.kind {
@@ -97,13 +90,13 @@ impl Sweep<'_> {
     /// Returns the next query of a pair that nearly touches: a later one, if a plane separates the pair for longer.
     pub(super) fn at_contact(
         &mut self,
-        motion: &Motion,
         index: u32,
         tolerance: f64,
         apart: f64,
         outcome: QueryOutcome,
     ) -> QueryOutcome {
         let time = self.sheet.time;
+        let motion = &self.sheet.motion;
         let next = motion.next_tabulated(time);
         let QueryOutcome::Until(until) = outcome else {
             return outcome;
@@ -111,13 +104,14 @@ impl Sweep<'_> {
         if until >= next || apart > TOUCHING_RATIO * tolerance {
             return outcome;
         }
-        let parted = self.parted(motion, index, tolerance);
+        let parted = self.parted(index, tolerance);
         let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
         groups.sort_unstable();
         groups.dedup();
         let none = Change { by: 0.0, off: 0.0 };
         self.changes.resize(self.groups, none);
         let mut reached = until;
+        let motion = &self.sheet.motion;
         for to in motion.halves(until, next) {
             motion.changes(&groups, time, to, &mut self.changes);
             let holds = |parted: &Parted| parted.holds(&self.changes, tolerance);
@@ -130,7 +124,7 @@ impl Sweep<'_> {
     }
 
     /// Returns the planes that separate two pieces.
-    fn parted(&mut self, motion: &Motion, index: u32, tolerance: f64) -> Vec<Parted> {
+    fn parted(&mut self, index: u32, tolerance: f64) -> Vec<Parted> {
         let pair = &mut self.queue[index];
         let chain = self.approach.chain_within(&self.sheet, pair, tolerance);
         let nodes = pair.nodes;
@@ -146,7 +140,7 @@ impl Sweep<'_> {
         places.dedup();
         self.turns.clear();
         for (_, along, crease, group) in places {
-            let axis = self.sheet.axis(motion, crease);
+            let axis = self.sheet.axis(crease);
             self.turns.push(Turn {
                 group,
                 point: axis.point,
