@@ -4,8 +4,7 @@ use foldpath_core::{HalfAngle, Membership, Rotation};
 use nalgebra::Vector2;
 
 use super::pose::Pose;
-use super::tree::Step;
-use crate::pattern::CreaseId;
+use crate::pattern::{CreaseId, Step};
 
 /// An edge across which a face is placed from another one.
 #[derive(Clone, Copy, Debug)]

@@ -5,8 +5,7 @@ use foldpath_core::{HalfAngle, Membership};
 
 use super::hinge::{Hinge, Product};
 use super::pose::Pose;
-use super::tree::SpanningTree;
-use crate::pattern::FaceId;
+use crate::pattern::{FaceId, SpanningTree};
 use crate::util::time_cached::TimeCached;
 
 /// A sheet that is folded at one time after the other.

@@ -9,7 +9,7 @@ use crate::collision::pieces::Pieces;
 use crate::collision::sweep::QueryOutcome;
 use crate::collision::sweep::motion::{Motion, Tick};
 use crate::collision::sweep::{Clearance, SweepOptions};
-use crate::folding::{LazyFolding, Pose, SpanningTree};
+use crate::folding::{LazyFolding, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 
 /// A sheet that is folded along a spanning tree.
@@ -26,17 +26,15 @@ pub(in crate::collision) struct SheetPairs {
 impl SheetPairs {
     pub(in crate::collision) fn new(
         pattern: &CreasePattern,
+        (memberships, groups): (&[Membership], usize),
         hierarchy: &Hierarchy,
-        memberships: &[Membership],
-        groups: usize,
-        tree: &SpanningTree,
         options: &SweepOptions,
     ) -> Self {
         // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
-        let broad_phase = || IntervalBroadPhase::new(pattern, hierarchy, memberships, groups, tree);
+        let broad_phase = || IntervalBroadPhase::new(pattern, hierarchy, memberships, groups);
         Self {
-            folding: LazyFolding::new(tree, memberships, groups),
+            folding: LazyFolding::new(pattern.tree(), memberships, groups),
             broad_phase: skips.then(broad_phase),
             sheets: pattern.sheets(),
             others: 0,

@@ -9,7 +9,6 @@ use super::ways::Ways;
 use crate::collision::hierarchy::{Hierarchy, Sphere};
 use crate::collision::placed_pieces::{Axis, PlacedPieces};
 use crate::collision::tolerances::CHAIN_TEAR_RATIO;
-use crate::folding::{SpanningTree, Tear};
 use crate::pattern::CreasePattern;
 use crate::util::time_cached::TimeCached;
 
@@ -77,15 +76,15 @@ pub(super) struct Approach<'a> {
 }
 
 impl<'a> Approach<'a> {
-    /// Makes the chains of a sheet that is folded along a tree and torn at edges off the tree, or of a lattice.
+    /// Makes the chains of a sheet whose closure residuals are at most `closure` all along its motions; `None` along a
+    /// lattice.
     pub(super) fn new(
         pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
-        groups: usize,
+        (memberships, groups): (&'a [Membership], usize),
         hierarchy: &Hierarchy,
-        folded: Option<(&SpanningTree, &[Tear])>,
+        closure: Option<f64>,
     ) -> Self {
-        let mut chains = Chains::new(Ways::new(pattern, memberships, folded));
+        let mut chains = Chains::new(Ways::new(pattern, memberships, closure));
         let mut clusters: Vec<Cluster> = Vec::with_capacity(hierarchy.nodes.len());
         for node in &hierarchy.nodes {
             let mut cluster = Cluster::default();

@@ -47,14 +47,13 @@ use self::queue::{Kind, Queue};
 use self::verdict::Found;
 use super::hierarchy::Hierarchy;
 use super::narrow::planes::{Change, Turn};
-use super::pairs::{Batch, LatticePairs, SheetPairs};
+use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};
 use super::pieces::{Contact, Pieces};
 use super::placed_pieces::PlacedPieces;
 use super::scene::Crossing;
 use super::tolerances::{
     CROSSING_DEPTH_EDGES, LAST_FREE_TICKS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK,
 };
-use crate::folding::SpanningTree;
 use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, FaceId};
 use crate::util::progress::Watch;
@@ -115,83 +114,49 @@ impl<'a> Sweep<'a> {
         options: SweepOptions,
         lattice: Option<&'a Lattice>,
     ) -> Self {
-        match lattice {
-            Some(lattice) => Self::along(pattern, memberships, options, lattice),
-            None => Self::whole(pattern, memberships, options),
-        }
-    }
-
-    /// Creates the sweep of all pairs of faces.
-    fn whole(
-        pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
-        options: SweepOptions,
-    ) -> Self {
-        let pieces = Pieces::new(pattern);
-        let hierarchy = Hierarchy::new(&pieces);
-        let groups = count_groups(memberships);
-        let tree = SpanningTree::from_central_face(pattern);
-        let holonomy = tree.holonomy(pattern);
-        let tears = holonomy.map_or_else(Vec::new, |holonomy| holonomy.tears(options.closure));
-        let folded = Some((&tree, &tears[..]));
-        let approach = Approach::new(pattern, memberships, groups, &hierarchy, folded);
-        let source = SheetPairs::new(pattern, &hierarchy, memberships, groups, &tree, &options);
-        let sheet = PlacedPieces::new(pattern, (pieces, hierarchy), Box::new(source), false);
-        Self {
-            length: 2.0 * tree.reach(pattern),
-            ..Self::of(pattern, (memberships, groups), options, sheet, approach)
-        }
-    }
-
-    /// Creates the sweep along a lattice.
-    fn along(
-        pattern: &'a CreasePattern,
-        memberships: &'a [Membership],
-        options: SweepOptions,
-        lattice: &'a Lattice,
-    ) -> Self {
-        // Pieces are made when they are requested.
-        let pieces = Pieces::none(pattern);
-        let hierarchy = Hierarchy::leaves(&pieces);
-        let groups = count_groups(memberships);
+        let groups = memberships.iter().map(|m| m.group.index() + 1);
+        let groups = groups.max().unwrap_or_default();
+        let along_lattice = lattice.is_some();
+        // Along a lattice, pieces are made when they are requested.
+        let (pieces, hierarchy) = if along_lattice {
+            let pieces = Pieces::none(pattern);
+            let hierarchy = Hierarchy::leaves(&pieces);
+            (pieces, hierarchy)
+        } else {
+            let pieces = Pieces::new(pattern);
+            let hierarchy = Hierarchy::new(&pieces);
+            (pieces, hierarchy)
+        };
         let deviation = options.lattice_deviation * pattern.median_edge();
-        let approach = Approach::new(pattern, memberships, groups, &hierarchy, None);
-        let source = LatticePairs::new(pattern, memberships, groups, lattice, deviation);
-        let sheet = PlacedPieces::new(pattern, (pieces, hierarchy), Box::new(source), true);
-        Self {
-            along_lattice: true,
-            deviation,
-            turn: options.lattice_turn,
-            ..Self::of(pattern, (memberships, groups), options, sheet, approach)
-        }
-    }
-
-    fn of(
-        pattern: &'a CreasePattern,
-        (memberships, groups): (&'a [Membership], usize),
-        options: SweepOptions,
-        sheet: PlacedPieces<'a>,
-        approach: Approach<'a>,
-    ) -> Self {
+        let hinges = (memberships, groups);
+        let source: Box<dyn PairSource + 'a> = match lattice {
+            Some(lattice) => Box::new(LatticePairs::new(pattern, hinges, lattice, deviation)),
+            None => Box::new(SheetPairs::new(pattern, hinges, &hierarchy, &options)),
+        };
+        let closure = (!along_lattice).then_some(options.closure);
         Self {
             pattern,
             memberships,
             groups,
             contact: Contact::new(pattern.median_edge(), options.contact),
-            options,
             watch: Watch::default(),
-            sheet,
-            approach,
+            approach: Approach::new(pattern, hinges, &hierarchy, closure),
+            sheet: PlacedPieces::new(pattern, (pieces, hierarchy), source, along_lattice),
             comoving: ComovingNow::default(),
             queue: Queue::default(),
             found: Found::default(),
-            along_lattice: false,
-            deviation: 0.0,
-            turn: 0.0,
-            length: 0.0,
+            along_lattice,
+            deviation: if along_lattice { deviation } else { 0.0 },
+            turn: if along_lattice {
+                options.lattice_turn
+            } else {
+                0.0
+            },
+            length: closure.map_or(0.0, |_| 2.0 * pattern.tree().reach(pattern)),
             turns: Vec::new(),
             changes: Vec::new(),
             queries: 0,
+            options,
         }
     }
 
@@ -400,10 +365,4 @@ impl<'a> Sweep<'a> {
             last_free: low.map(|low| self.sheet.motion.place(low)),
         }
     }
-}
-
-/// Returns the number of groups that memberships name.
-fn count_groups(memberships: &[Membership]) -> usize {
-    let groups = memberships.iter().map(|m| m.group.index() + 1);
-    groups.max().unwrap_or_default()
 }

@@ -7,8 +7,7 @@ use foldpath_core::Membership;
 use nalgebra::Vector2;
 
 use crate::collision::tolerances::{MAX_FACES_OF_DISTANCES, TURNING_COST};
-use crate::folding::{SpanningTree, Step, Tear};
-use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+use crate::pattern::{CreasePattern, EdgeId, FaceId, Step, VertexId};
 use crate::util::parallel;
 use crate::util::progress::Watch;
 
@@ -35,7 +34,8 @@ struct TornSheet {
 }
 
 impl TornSheet {
-    fn new(pattern: &CreasePattern, tree: &SpanningTree, tears: &[Tear]) -> Self {
+    fn new(pattern: &CreasePattern, closure: f64) -> Self {
+        let tree = pattern.tree();
         let mut sheet = Self {
             steps: vec![None; tree.faces()],
             depths: vec![0; tree.faces()],
@@ -54,7 +54,8 @@ impl TornSheet {
         for step in tree.loops() {
             sheet.tears[step.edge.index()] = [f64::INFINITY; 2];
         }
-        for tear in tears {
+        let holonomy = tree.holonomy(pattern);
+        for tear in holonomy.map_or_else(Vec::new, |holonomy| holonomy.tears(closure)) {
             sheet.tears[tear.edge.index()] = [tear.turn, tear.shift];
         }
         sheet
@@ -156,15 +157,16 @@ impl Search {
 }
 
 impl<'a> Ways<'a> {
-    /// Makes the ways of a sheet that is folded along a tree and torn at edges off the tree. Without a tree, ways are
-    /// requested only for faces near each other, so that distances are not kept.
+    /// Makes the ways of a sheet that is folded along its tree, and torn at edges off the tree as closure residuals of up to
+    /// `closure` allow. Along a lattice (`None`) ways are requested only for faces near each other, so that distances are
+    /// not kept.
     pub(super) fn new(
         pattern: &'a CreasePattern,
         memberships: &'a [Membership],
-        folded: Option<(&SpanningTree, &[Tear])>,
+        closure: Option<f64>,
     ) -> Self {
         let faces = pattern.faces().len();
-        let keeps = folded.is_some() && faces <= MAX_FACES_OF_DISTANCES;
+        let keeps = closure.is_some() && faces <= MAX_FACES_OF_DISTANCES;
         Self {
             pattern,
             memberships,
@@ -172,7 +174,7 @@ impl<'a> Ways<'a> {
             known: vec![Vec::new(); if keeps { faces } else { 0 }],
             keeps,
             searched: Search::new(faces),
-            torn: folded.map(|(tree, tears)| TornSheet::new(pattern, tree, tears)),
+            torn: closure.map(|closure| TornSheet::new(pattern, closure)),
         }
     }
 

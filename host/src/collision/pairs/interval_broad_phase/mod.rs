@@ -24,7 +24,7 @@ use crate::collision::sweep::motion::{Motion, SEGMENT, Tick};
 use crate::collision::tolerances::{
     CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
 };
-use crate::folding::{Hinge, Pose, Product, SpanningTree, place_all};
+use crate::folding::{Hinge, Pose, Product, place_all};
 use crate::lattice::{AngleVariation, DeviationBound};
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -70,9 +70,8 @@ impl IntervalBroadPhase {
         hierarchy: &Hierarchy,
         memberships: &[Membership],
         groups: usize,
-        tree: &SpanningTree,
     ) -> Self {
-        let faces = pattern.faces().len();
+        let (tree, faces) = (pattern.tree(), pattern.faces().len());
         let mut pivots = vec![None; faces];
         let reaches = tree.steps().iter().map(|step| {
             let pivot = step.pivot;
@@ -312,14 +311,13 @@ mod tests {
         };
         let pattern = CreasePattern::new(drawing).unwrap();
         let groups = CreaseGroups::trivial(&pattern);
-        let tree = SpanningTree::from_central_face(&pattern);
+        let tree = pattern.tree();
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
         let hierarchy = Hierarchy::new(&pieces);
         let members = groups.memberships();
-        let mut broad_phase =
-            IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+        let mut broad_phase = IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
         broad_phase.begin(&motion, &pieces);
         assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
@@ -351,7 +349,7 @@ mod tests {
             let drawing = [miura.drawing(), waterbomb.drawing()][round % 2].clone();
             let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
             let groups = CreaseGroups::trivial(&pattern);
-            let tree = SpanningTree::from_central_face(&pattern);
+            let tree = pattern.tree();
             let mut start: Vec<f64> = (0..groups.len()).map(|_| 0.3 * noise()).collect();
             let mut segments = Vec::new();
             for segment in 0..3 {
@@ -378,7 +376,7 @@ mod tests {
             let hierarchy = Hierarchy::new(&pieces);
             let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
             broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
             while broad_phase.to < motion.end() {
@@ -395,7 +393,7 @@ mod tests {
                     let time = broad_phase.from + (broad_phase.to - broad_phase.from) / 10 * part;
                     let Place { segment, s } = motion.place(time.min(broad_phase.to - 1));
                     let angles: Vec<_> = segments[segment].iter().map(|c| c.angle(s)).collect();
-                    map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
+                    map.fold_groups(&pattern, tree, groups.memberships(), &angles);
                     let at = |piece: u32| {
                         let piece = pieces.list[piece as usize];
                         let pose = &map.poses()[piece.face.index()];

@@ -195,7 +195,6 @@ pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> V
 mod tests {
     use super::*;
     use crate::collision::sweep::motion::Motion;
-    use crate::folding::SpanningTree;
     use crate::generate::Miura;
     use crate::pattern::CreasePattern;
     use crate::symmetry::CreaseGroups;
@@ -212,7 +211,6 @@ mod tests {
         };
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
         let groups = CreaseGroups::trivial(&pattern);
-        let tree = SpanningTree::from_central_face(&pattern);
         let segments = [0.0, 1.0].map(|part| {
             let curves = (0..groups.len()).map(|k| {
                 let turn = 0.002 * (k % 7) as f64;
@@ -226,7 +224,7 @@ mod tests {
         let found = |threads: usize| {
             let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
             broad_phase.begin(&motion, &pieces);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {

@@ -72,8 +72,7 @@ impl<'a> LatticePairs<'a> {
     /// cells along both steps).
     pub(in crate::collision) fn new(
         pattern: &CreasePattern,
-        memberships: &[Membership],
-        groups: usize,
+        (memberships, groups): (&[Membership], usize),
         lattice: &'a Lattice,
         deviation: f64,
     ) -> Self {
