@@ -67,7 +67,7 @@ impl<'a> PlacedPieces<'a> {
             cuts_on_request,
             motion: Arc::default(),
             time: 0,
-            axes: TimeCached::new(pattern.creases().len()),
+            axes: TimeCached::default(),
             spheres: TimeCached::default(),
             placed: Vec::new(),
             folded: Vec::new(),

@@ -20,16 +20,14 @@ pub(crate) struct LazyFolding {
 
 impl LazyFolding {
     /// Makes the folding along a tree of a sheet whose creases turn as these groups; creases without one stay flat.
-    pub(crate) fn new(tree: &SpanningTree, memberships: &[Membership], groups: usize) -> Self {
+    pub(crate) fn new(tree: &SpanningTree, memberships: &[Membership]) -> Self {
         let mut hinges = vec![None; tree.faces()];
         for step in tree.steps() {
             hinges[step.face.index()] = Some(Hinge::of(step, memberships));
         }
         Self {
             hinges,
-            half_angles: TimeCached::new(groups),
-            poses: TimeCached::new(tree.faces()),
-            way: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -10,18 +10,14 @@ pub(crate) struct TimeCached<T> {
 
 impl<T> Default for TimeCached<T> {
     fn default() -> Self {
-        Self::new(0)
+        Self {
+            numbers: Vec::new(),
+            items: Vec::new(),
+        }
     }
 }
 
 impl<T> TimeCached<T> {
-    pub(crate) fn new(count: usize) -> Self {
-        Self {
-            numbers: vec![0; count],
-            items: Vec::new(),
-        }
-    }
-
     fn number(&self, index: usize) -> Option<usize> {
         let number = self.numbers.get(index)?;
         (*number as usize).checked_sub(1)

@@ -34,7 +34,7 @@ impl SheetPairs {
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
         let broad_phase = || IntervalBroadPhase::new(pattern, hierarchy, memberships, groups);
         Self {
-            folding: LazyFolding::new(pattern.tree(), memberships, groups),
+            folding: LazyFolding::new(pattern.tree(), memberships),
             broad_phase: skips.then(broad_phase),
             sheets: pattern.sheets(),
             others: 0,

@@ -23,10 +23,8 @@ pub(super) struct FoldedCells<'a> {
     begun: bool,
     /// Largest differences of cells along both steps.
     pub(super) most: [u32; 2],
-    /// Powers of both steps, each with its time, for all cells and for all differences of cells; `low` has the
-    /// lowest exponents.
-    low: [i32; 2],
-    powers: [Vec<(Tick, Pose)>; 2],
+    /// Powers of both steps, from those backwards by `most` steps on.
+    powers: [TimeCached<Pose>; 2],
     poses: TimeCached<Pose>,
 }
 
@@ -43,7 +41,6 @@ impl<'a> FoldedCells<'a> {
             .extent()
             .map(|[low, high]| [low.min(0), high.max(0)]);
         let most = ends.map(|[low, high]| high.abs_diff(low));
-        let still = (Tick::MAX, Pose::identity());
         Self {
             lattice,
             bounds: LatticeMotionBounds::new(&folded, most),
@@ -51,9 +48,8 @@ impl<'a> FoldedCells<'a> {
             most,
             time: Tick::MAX,
             half_angles: vec![HalfAngle::default(); groups],
-            low: ends.map(|[low, high]| low.saturating_sub(high)),
-            powers: ends.map(|[low, high]| vec![still; 2 * high.abs_diff(low) as usize + 1]),
-            poses: TimeCached::new(pattern.faces().len()),
+            powers: [(); 2].map(|()| TimeCached::default()),
+            poses: TimeCached::default(),
             folded,
         }
     }
@@ -61,9 +57,7 @@ impl<'a> FoldedCells<'a> {
     /// Begins a motion: tabulates the bounds on the motion of cells and faces.
     pub(super) fn begin(&mut self, motion: &Motion) {
         self.time = Tick::MAX;
-        for (time, _) in self.powers.iter_mut().flatten() {
-            *time = Tick::MAX;
-        }
+        self.powers.iter_mut().for_each(TimeCached::forget);
         self.poses.forget();
         self.begun = false;
         self.fold(motion, 0);
@@ -109,21 +103,21 @@ impl<'a> FoldedCells<'a> {
     pub(super) fn translation(&mut self, [column, row]: [i32; 2]) -> Pose {
         match [column, row] {
             [0, 0] => Pose::identity(),
-            [_, 0] => *self.power(0, column),
-            [0, _] => *self.power(1, row),
-            _ => *self.power(0, column) * *self.power(1, row),
+            [_, 0] => self.power(0, column),
+            [0, _] => self.power(1, row),
+            _ => self.power(0, column) * self.power(1, row),
         }
     }
 
     /// Returns a power of one step at the current time.
-    fn power(&mut self, step: usize, count: i32) -> &Pose {
-        let at = i64::from(count) - i64::from(self.low[step]);
-        let at = usize::try_from(at).unwrap_or(usize::MAX);
-        let (time, power) = &mut self.powers[step][at];
-        if *time != self.time {
-            (*time, *power) = (self.time, self.folded.steps()[step].power(count));
-        }
-        power
+    fn power(&mut self, step: usize, count: i32) -> Pose {
+        let at = self.most[step].saturating_add_signed(count) as usize;
+        let power = self.powers[step].get(at, self.time).copied();
+        power.unwrap_or_else(|| {
+            let power = self.folded.steps()[step].power(count);
+            self.powers[step].set(at, self.time, power);
+            power
+        })
     }
 
     /// Returns the pose of a face.
