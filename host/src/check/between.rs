@@ -59,11 +59,16 @@ pub(super) fn check_closure(
         fine
     });
     verdict.segments = segments.collect();
+    judge_segments(options.bound, verdict);
+}
+
+/// Stores the worst violation of the bound on closure between knots, or else the worst segment that is not proved to keep
+/// it.
+fn judge_segments(bound: f64, verdict: &mut Verdict) {
     let worst = |value: fn(&SegmentClosure) -> f64| {
         let segments = verdict.segments.iter().enumerate();
         segments.max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
     };
-    let bound = options.bound;
     let Some((index, open)) = worst(|segment| segment.sampled) else {
         return;
     };

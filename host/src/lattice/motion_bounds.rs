@@ -288,17 +288,10 @@ impl LatticeMotionBounds {
             reach.length += moved + off;
         }
         let terms = |part: fn(&Parts<f64>) -> f64| {
-            let [(_, turn, reach), (_, second_turn, second_reach)] = &steps;
-            let [turn, second_turn] = [part(turn), part(second_turn)];
-            Terms {
-                own: part(&most),
-                shifts: steps.each_ref().map(|(shift, _, _)| part(shift)),
-                reaches: [
-                    reach.times(turn),
-                    second_reach.times(second_turn),
-                    second_reach.times(turn),
-                ],
-            }
+            let steps = steps
+                .each_ref()
+                .map(|(shift, turn, reach)| (part(shift), part(turn), *reach));
+            Terms::new(part(&most), steps)
         };
         let sum = self.sums[self.sums.len() - 1].and(Parts {
             curve: terms(|parts| parts.curve),
@@ -360,6 +353,19 @@ impl LatticeMotionBounds {
 }
 
 impl Terms {
+    /// Returns the terms of one kind, given those of each step: shift, rotation and reach.
+    fn new(own: f64, [first, second]: [(f64, f64, Reach); 2]) -> Self {
+        Self {
+            own,
+            shifts: [first.0, second.0],
+            reaches: [
+                first.2.times(first.1),
+                second.2.times(second.1),
+                second.2.times(first.1),
+            ],
+        }
+    }
+
     /// Returns a bound on the motion of a cell some steps on that comes from rotations of the steps.
     fn turned(&self, [i, j]: [f64; 2]) -> f64 {
         let [first, second, across] = &self.reaches;

@@ -4,11 +4,10 @@ use core::f64::consts::PI;
 use std::collections::HashMap;
 
 use crate::common::{class_of, miura, noise, waterbomb, yoshimura};
-use foldpath::folding::FoldingMap;
+use foldpath::folding::{FoldingMap, Pose};
 use foldpath::generate::{Letters, Quad, Resch, SquareTwist};
 use foldpath::lattice::{
-    AngleVariation, Lattice, LatticeCoord, LatticeMotion, LatticeMotionBounds, PairClass, Pose,
-    Stretch,
+    AngleVariation, Lattice, LatticeCoord, LatticeMotion, LatticeMotionBounds, PairClass, Stretch,
 };
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, EdgeId, FaceId};
 use foldpath::symmetry::{CreaseGroups, ReducedStars};

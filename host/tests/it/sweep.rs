@@ -791,8 +791,7 @@ fn a_lattice_oblique_to_its_sheet_is_swept() {
     let (pattern, memberships, motion) = to_goal(pattern, "yoshimura");
     let lattice = Lattice::find(&pattern, &memberships).unwrap();
     let options = SweepOptions::default();
-    let mut sweep = Sweep::new(&pattern, &memberships, options, Some(&lattice));
-    let verdict = sweep.sweep(&motion);
+    let verdict = Sweep::new(&pattern, &memberships, options, Some(&lattice)).sweep(&motion);
     let SweepVerdict::Crossing {
         at,
         last_free: Some(free),

@@ -180,26 +180,7 @@ pub(super) fn comoving_faces(
     for (faces, off) in torn_edges {
         bodies.join(faces, off);
     }
-    let mut found = true;
-    while found {
-        found = false;
-        for hinge in &mut hinges {
-            hinge.against = bodies.sets.find(hinge.against);
-        }
-        hinges.sort_by_key(|hinge| hinge.against);
-        let by_body = hinges.chunk_by(|a, b| a.against == b.against);
-        for hinges in by_body.filter(|hinges| hinges.len() <= MAX_HINGES) {
-            for (k, hinge) in hinges.iter().enumerate() {
-                for other in &hinges[..k] {
-                    let faces = [hinge.face, other.face];
-                    if !bodies.sets.are_joined(faces) {
-                        let more = hinge.parts_from(other, (motion, times), length);
-                        found |= bodies.join(faces, more);
-                    }
-                }
-            }
-        }
-    }
+    while bodies.join_hinged(&mut hinges, (motion, times), length) {}
     ComovingFaces {
         bodies: bodies.sets.representatives(),
         nearly: bodies.nearly,
@@ -234,6 +215,33 @@ impl Bodies {
             self.nearly |= more <= NEARLY_AT_REST_RATIO * self.tolerance;
         }
         joins
+    }
+
+    /// Joins bodies that are hinged to one body about the same line and turn about it alike. Returns `true` if any were
+    /// joined: others may then be hinged to one body, too.
+    fn join_hinged(
+        &mut self,
+        hinges: &mut [Hinge],
+        during: (&Motion, [Tick; 2]),
+        length: f64,
+    ) -> bool {
+        for hinge in &mut *hinges {
+            hinge.against = self.sets.find(hinge.against);
+        }
+        hinges.sort_by_key(|hinge| hinge.against);
+        let by_body = hinges.chunk_by(|a, b| a.against == b.against);
+        let mut found = false;
+        for hinges in by_body.filter(|hinges| hinges.len() <= MAX_HINGES) {
+            for (k, hinge) in hinges.iter().enumerate() {
+                for other in &hinges[..k] {
+                    let faces = [hinge.face, other.face];
+                    if !self.sets.are_joined(faces) {
+                        found |= self.join(faces, hinge.parts_from(other, during, length));
+                    }
+                }
+            }
+        }
+        found
     }
 }
 

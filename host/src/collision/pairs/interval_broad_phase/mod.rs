@@ -328,6 +328,31 @@ mod tests {
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
     }
 
+    /// Returns a motion of three segments, the one in the middle in half angles.
+    fn noisy(groups: usize, mut noise: impl FnMut() -> f64) -> Vec<Vec<Curve<f64>>> {
+        let mut start: Vec<f64> = (0..groups).map(|_| 0.3 * noise()).collect();
+        let mut curve = |angle: &mut f64, segment: usize| {
+            let knots = [0.2, 0.4, 0.6].map(|part| *angle + part * noise());
+            let angles = [*angle, knots[0], knots[1], knots[2]];
+            *angle = knots[2];
+            if segment != 1 {
+                return Curve::Angle(angles);
+            }
+            let half = angles.map(|a| a / 2.0);
+            // The angles at the ends do not depend on the weights as long as these are not 0.
+            let weight = [1.0, 1.0 + 0.2 * noise(), 1.0 + 0.2 * noise(), 1.0];
+            Curve::HalfAngle {
+                cos: core::array::from_fn(|k| weight[k] * half[k].cos()),
+                sin: core::array::from_fn(|k| weight[k] * half[k].sin()),
+            }
+        };
+        let segments = (0..3).map(|segment| {
+            let curves = start.iter_mut().map(|angle| curve(angle, segment));
+            curves.collect()
+        });
+        segments.collect()
+    }
+
     /// Torn sheets, each crease a group of its own: the spanning tree alone says where faces are.
     #[test]
     fn pieces_deviate_no_farther_and_stay_as_far_apart_as_is_said() {
@@ -350,27 +375,7 @@ mod tests {
             let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
             let groups = CreaseGroups::trivial(&pattern);
             let tree = pattern.tree();
-            let mut start: Vec<f64> = (0..groups.len()).map(|_| 0.3 * noise()).collect();
-            let mut segments = Vec::new();
-            for segment in 0..3 {
-                let mut curves = Vec::new();
-                for angle in &mut start {
-                    let knots = [0.2, 0.4, 0.6].map(|part| *angle + part * noise());
-                    curves.push(if segment == 1 {
-                        let half = [*angle, knots[0], knots[1], knots[2]].map(|a| a / 2.0);
-                        // The angles at the ends do not depend on the weights as long as these are not 0.
-                        let weight = [1.0, 1.0 + 0.2 * noise(), 1.0 + 0.2 * noise(), 1.0];
-                        Curve::HalfAngle {
-                            cos: core::array::from_fn(|k| weight[k] * half[k].cos()),
-                            sin: core::array::from_fn(|k| weight[k] * half[k].sin()),
-                        }
-                    } else {
-                        Curve::Angle([*angle, knots[0], knots[1], knots[2]])
-                    });
-                    *angle = knots[2];
-                }
-                segments.push(curves);
-            }
+            let segments = noisy(groups.len(), &mut noise);
             let motion = Motion::new(&segments, groups.len());
             let pieces = Pieces::new(&pattern);
             let hierarchy = Hierarchy::new(&pieces);
