@@ -311,7 +311,6 @@ mod tests {
         };
         let pattern = CreasePattern::new(drawing).unwrap();
         let groups = CreaseGroups::trivial(&pattern);
-        let tree = pattern.tree();
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
