@@ -6,6 +6,8 @@ mod between;
 mod certificate;
 mod clearance;
 mod common;
+mod crossing;
+mod folding;
 mod fuzz;
 mod generators;
 mod lattice;
