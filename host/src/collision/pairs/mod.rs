@@ -13,7 +13,7 @@ use core::fmt::Debug;
 use super::hierarchy::Hierarchy;
 use super::pieces::{Contact, Pieces};
 use super::sweep::motion::{Motion, Tick};
-use super::sweep::{Clearance, QueryOutcome, SweepOptions};
+use super::sweep::{Found, QueryOutcome, SweepOptions};
 use crate::folding::Pose;
 use crate::pattern::FaceId;
 use crate::util::progress::Watch;
@@ -37,17 +37,8 @@ pub(super) struct Now<'s> {
     pub(super) hierarchy: &'s Hierarchy,
     pub(super) contact: Contact,
     pub(super) options: &'s SweepOptions,
-    /// Smallest distance found so far.
-    pub(super) clearance: Option<Clearance>,
+    pub(super) found: &'s mut Found,
     pub(super) watch: Watch<'s>,
-}
-
-impl Now<'_> {
-    /// Returns the smallest distance found so far; infinite if none is.
-    fn best(&self) -> f64 {
-        let best = self.clearance.map(|clearance| clearance.distance);
-        best.unwrap_or(f64::INFINITY)
-    }
 }
 
 /// Answer of a source of pairs to a batch.
@@ -64,10 +55,6 @@ pub(super) struct Answer {
     pub(super) measure: Vec<[FaceId; 2]>,
     /// `true` if all pairs of each sheet are to be followed from now on, by its clusters.
     pub(super) clusters: bool,
-    /// A distance smaller than the smallest found before, if there is one.
-    pub(super) clearance: Option<Clearance>,
-    /// Number of pairs of pieces that were tested.
-    pub(super) tested: u64,
     /// Number of pairs of pieces that were skipped, including those to be measured.
     pub(super) skipped: u64,
 }
@@ -82,8 +69,6 @@ impl Answer {
             pieces: Default::default(),
             measure: Vec::new(),
             clusters: false,
-            clearance: None,
-            tested: 0,
             skipped: 0,
         }
     }
@@ -106,21 +91,17 @@ pub(super) trait PairSource: Debug + Send + Sync {
     fn begin(&mut self, motion: &Motion, pieces: &Pieces) -> Option<(Batch, Vec<[u32; 2]>)>;
 
     /// Looks at a batch that is due.
-    fn query(&mut self, batch: Batch, now: &Now<'_>) -> Answer;
+    fn query(&mut self, batch: Batch, now: &mut Now<'_>) -> Answer;
 
     /// Returns the pose of a face.
     fn pose(&mut self, motion: &Motion, time: Tick, face: FaceId) -> Pose;
 
-    /// Returns a time until which two faces approach each other by no more than `allowance`, and a bound on their
-    /// approach until then. Returns `None` if no such time is known but from the creases between them.
-    fn until(
-        &self,
-        motion: &Motion,
-        time: Tick,
-        faces: [FaceId; 2],
-        allowance: f64,
-    ) -> Option<(Tick, f64)>;
-
     /// Returns the numbers of pairs of pieces.
     fn count(&self, pieces: &Pieces) -> PairCounts;
+
+    /// Returns a time until which two faces approach each other by no more than `allowance`, and a bound on their
+    /// approach until then. Returns `None` if no such time is known but from the creases between them.
+    fn until(&self, _: &Motion, _: Tick, _: [FaceId; 2], _allowance: f64) -> Option<(Tick, f64)> {
+        None
+    }
 }

@@ -6,9 +6,8 @@ use super::interval_broad_phase::IntervalBroadPhase;
 use super::{Answer, Batch, Now, PairCounts, PairSource};
 use crate::collision::hierarchy::Hierarchy;
 use crate::collision::pieces::Pieces;
-use crate::collision::sweep::QueryOutcome;
 use crate::collision::sweep::motion::{Motion, Tick};
-use crate::collision::sweep::{Clearance, SweepOptions};
+use crate::collision::sweep::{QueryOutcome, SweepOptions};
 use crate::folding::{LazyFolding, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 
@@ -54,7 +53,7 @@ impl PairSource for SheetPairs {
 
     /// Runs the broad phase over the next interval: asks for the pieces that may meet before its end, and finds the
     /// nearest pieces at its end.
-    fn query(&mut self, _: Batch, now: &Now<'_>) -> Answer {
+    fn query(&mut self, _: Batch, now: &mut Now<'_>) -> Answer {
         let (motion, time) = (now.motion, now.time);
         if time > 0 && time == motion.end() {
             return Answer::new(QueryOutcome::Free);
@@ -75,8 +74,6 @@ impl PairSource for SheetPairs {
             };
         }
         let touching = now.contact.largest();
-        let mut nearest = now.clearance;
-        let best = |nearest: &Option<Clearance>| nearest.map_or(f64::INFINITY, |n| n.distance);
         let (mut tested, mut unseen) = (0, Vec::new());
         // The beginning of an interval is the end of the one before.
         let ends = [(0, broad_phase.from), (2, broad_phase.to)];
@@ -92,7 +89,8 @@ impl PairSource for SheetPairs {
             let counts = pieces.comparable(a, b).is_some() && !pieces.meet(a, b);
             counts.then(|| broad_phase.parted(pieces, pair, touching))
         };
-        let within = [touching, now.best()];
+        let found = &mut *now.found;
+        let within = [touching, found.best()];
         broad_phase.near(hierarchy, within, test, |broad_phase, pair, apart| {
             tested += 1;
             let apart = apart.unwrap_or_else(|| {
@@ -100,25 +98,20 @@ impl PairSource for SheetPairs {
                 [0.0; 3]
             });
             for &(end, tick) in ends {
-                if apart[end] >= best(&nearest) {
-                    continue;
-                }
-                let distance = broad_phase.distance(pieces, pair, end);
-                if distance < best(&nearest) {
-                    let place = motion.place(tick);
-                    nearest = Some(Clearance::of(pieces, pair, distance, place));
+                if apart[end] < found.best() {
+                    let distance = broad_phase.distance(pieces, pair, end);
+                    found.note(pieces, pair, distance, motion.place(tick));
                 }
             }
-            best(&nearest)
+            found.best()
         });
+        found.counts.tested += tested;
         for pair in &mut unseen {
             pair.sort_unstable();
         }
         Answer {
             batches: vec![(Batch::Interval, broad_phase.to)],
             pieces: (unseen, [before, broad_phase.from, broad_phase.to]),
-            clearance: nearest,
-            tested,
             skipped: self.others.saturating_sub(tested),
             ..Answer::new(QueryOutcome::Split)
         }
@@ -127,10 +120,6 @@ impl PairSource for SheetPairs {
     fn pose(&mut self, motion: &Motion, time: Tick, face: FaceId) -> Pose {
         let half_angle = |group| motion.half_angle(group, time);
         self.folding.pose(face, time, half_angle)
-    }
-
-    fn until(&self, _: &Motion, _: Tick, _: [FaceId; 2], _: f64) -> Option<(Tick, f64)> {
-        None
     }
 
     fn count(&self, pieces: &Pieces) -> PairCounts {

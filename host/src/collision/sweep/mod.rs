@@ -34,6 +34,7 @@ mod variation;
 mod verdict;
 mod ways;
 
+pub(super) use verdict::Found;
 pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 
 use core::f64::consts::PI;
@@ -44,7 +45,6 @@ use self::approach::Approach;
 use self::comoving_faces::{ComovingNow, comoving_faces};
 use self::motion::{Motion, Tick};
 use self::queue::{Kind, Queue};
-use self::verdict::Found;
 use super::hierarchy::Hierarchy;
 use super::narrow::planes::{Change, Turn};
 use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};

@@ -2,7 +2,7 @@
 
 use super::motion::Tick;
 use super::queue::{Kind, Pair};
-use super::{Clearance, QueryOutcome, Sweep};
+use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::separation::{Sector, distance};
 use crate::collision::pairs::{Batch, Now};
 use crate::collision::placed_pieces::PlacedPieces;
@@ -32,23 +32,21 @@ impl Sweep<'_> {
     /// Asks the source of pairs about a batch, and adds the pairs that it names.
     fn query_batch(&mut self, batch: Batch) -> QueryOutcome {
         let time = self.sheet.time;
-        let now = Now {
+        let mut now = Now {
             motion: &self.sheet.motion,
             time,
             pieces: &self.sheet.pieces,
             hierarchy: &self.sheet.hierarchy,
             contact: self.contact,
             options: &self.options,
-            clearance: self.found.clearance,
+            found: &mut self.found,
             watch: self.watch,
         };
-        let answer = self.sheet.source.query(batch, &now);
-        self.found.clearance = answer.clearance.or(self.found.clearance);
+        let answer = self.sheet.source.query(batch, &mut now);
         let mut measured = 0;
         for faces in answer.measure {
             measured += self.measure(faces);
         }
-        self.found.counts.tested += answer.tested;
         self.found.counts.skipped_bounds += answer.skipped.saturating_sub(measured);
         if answer.clusters {
             self.add_roots(time);
@@ -80,19 +78,12 @@ impl Sweep<'_> {
                 self.found.counts.tested += 1;
                 self.sheet.put([a, b]);
                 let placed = self.sheet.placed();
-                self.note([a, b], distance(&placed.piece(a), &placed.piece(b)));
+                let apart = distance(&placed.piece(a), &placed.piece(b));
+                let place = self.sheet.place();
+                self.found.note(&self.sheet.pieces, [a, b], apart, place);
             }
         }
         measured
-    }
-
-    /// Stores a distance if it is smaller than all before.
-    fn note(&mut self, nodes: [u32; 2], distance: f64) {
-        if distance < self.found.best() {
-            let at = self.sheet.place();
-            let clearance = Clearance::of(&self.sheet.pieces, nodes, distance, at);
-            self.found.clearance = Some(clearance);
-        }
     }
 
     /// Adds the pairs of pieces of a pair of faces.
@@ -141,7 +132,8 @@ impl Sweep<'_> {
             return QueryOutcome::Crossing(depth);
         }
         if counts {
-            self.note(nodes, apart);
+            let place = self.sheet.place();
+            self.found.note(&self.sheet.pieces, nodes, apart, place);
         }
         if let Some(until) = comoving {
             return self.next(until, apart, false);

@@ -90,23 +90,6 @@ pub struct Clearance {
     pub place: Place,
 }
 
-impl Clearance {
-    /// Returns the distance of two pieces as a clearance.
-    pub(in crate::collision) fn of(
-        pieces: &Pieces,
-        pair: [u32; 2],
-        distance: f64,
-        place: Place,
-    ) -> Self {
-        let [first, second] = pair.map(|piece| pieces.list[piece as usize].face);
-        Self {
-            distance,
-            faces: [first.min(second), first.max(second)],
-            place,
-        }
-    }
-}
-
 /// Outcome of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -153,18 +136,36 @@ pub struct SweepCounts {
 
 /// Findings of a sweep so far.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(in crate::collision) struct Found {
     pub(super) clearance: Option<Clearance>,
-    pub(super) counts: SweepCounts,
+    pub(in crate::collision) counts: SweepCounts,
     /// Number of pairs found to share a side.
     pub(super) joined: u64,
 }
 
 impl Found {
     /// Returns the smallest distance; infinite if there is none.
-    pub(super) fn best(&self) -> f64 {
+    pub(in crate::collision) fn best(&self) -> f64 {
         let best = self.clearance.map(|clearance| clearance.distance);
         best.unwrap_or(f64::INFINITY)
+    }
+
+    /// Stores the distance of two pieces at a place if it is smaller than all before.
+    pub(in crate::collision) fn note(
+        &mut self,
+        pieces: &Pieces,
+        pair: [u32; 2],
+        distance: f64,
+        place: Place,
+    ) {
+        if distance < self.best() {
+            let [first, second] = pair.map(|piece| pieces.list[piece as usize].face);
+            self.clearance = Some(Clearance {
+                distance,
+                faces: [first.min(second), first.max(second)],
+                place,
+            });
+        }
     }
 
     /// Completes the counts after `times` configurations, given those before and the numbers of pairs at each.

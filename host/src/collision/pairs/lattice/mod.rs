@@ -176,7 +176,7 @@ impl<'a> LatticePairs<'a> {
 
     /// Wakes cells that come near each other soon.
     fn query_far(&mut self, now: &Now<'_>) -> Answer {
-        let (motion, time, best) = (now.motion, now.time, now.best());
+        let (motion, time, best) = (now.motion, now.time, now.found.best());
         // As long as no distance is known, cells within a growing distance are woken.
         if best == f64::INFINITY {
             self.far = 2.0 * self.far + self.median_edge / 2.0;
@@ -204,7 +204,7 @@ impl<'a> LatticePairs<'a> {
     /// Looks at two cells: names the pairs of faces that are too near to be represented by them, or else tells how long
     /// the cells stay apart.
     fn query_cells(&mut self, offset: u32, now: &Now<'_>) -> Answer {
-        let (motion, time, best) = (now.motion, now.time, now.best());
+        let (motion, time, best) = (now.motion, now.time, now.found.best());
         let (bounds, deviation) = (now.options.skip_bounds, self.deviation);
         let touching = now.contact.base();
         self.cells.fold(motion, time);
@@ -318,7 +318,7 @@ impl PairSource for LatticePairs<'_> {
         Some((Batch::Far, Vec::new()))
     }
 
-    fn query(&mut self, batch: Batch, now: &Now<'_>) -> Answer {
+    fn query(&mut self, batch: Batch, now: &mut Now<'_>) -> Answer {
         match batch {
             Batch::Cells(offset) => self.query_cells(offset, now),
             Batch::Far | Batch::Interval => self.query_far(now),
