@@ -10,7 +10,6 @@ use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use super::search::{polyline, search};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::goal::GoalKind;
-use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
@@ -56,6 +55,12 @@ pub(crate) struct Route<'a> {
     /// `true` if random numbers were drawn.
     pub(crate) is_random: bool,
     pub(crate) notes: Vec<Note>,
+    /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
+    /// farther without them.
+    pub(crate) symmetric: Option<Reduction<'a>>,
+    /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
+    /// residual was needed.
+    pub(crate) asked_closure: Option<f64>,
 }
 
 /// Distance from the angle asked for up to which a hinge counts as being there, radians.
@@ -153,6 +158,8 @@ impl<'a> Route<'a> {
             work,
             is_random,
             notes,
+            symmetric: None,
+            asked_closure: None,
             reduction,
         }
     }
@@ -580,10 +587,10 @@ impl<'a> RouteFinder<'a> {
             None => self.asked.clone(),
         };
         let feasible = &mut |angles: &[f64]| {
-            let mut knot = Knot::at(angles.to_vec());
-            let crossing = judge.judge(&mut knot);
-            let errors = knot.errors();
-            crossing.is_none() && errors.deformation <= options.bound && errors.gap <= options.bound
+            let errors = judge.errors_at(angles);
+            judge.crossing().is_none()
+                && errors.deformation <= options.bound
+                && errors.gap <= options.bound
         };
         let followed = search(
             &mut solver,

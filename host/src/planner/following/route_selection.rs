@@ -18,21 +18,9 @@ use crate::util::clock::Instant;
 /// less symmetry or moved coordinates.
 pub(crate) const FARTHER_RATIO: f64 = 0.01;
 
-/// The route that leads farthest, with what was found on the way to it. Its notes, times and work are those of all
-/// routes that were tried.
-pub(crate) struct SelectedRoute<'a> {
-    pub(crate) route: Route<'a>,
-    /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
-    /// farther without them.
-    pub(crate) symmetric: Option<Reduction<'a>>,
-    /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
-    /// residual was needed.
-    pub(crate) asked_closure: Option<f64>,
-}
-
-/// Finds the route that leads farthest. Returns `None` if the error model changes nothing of this sheet, or allows no
-/// path.
-pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+/// Finds the route that leads farthest. Its notes, times and work are those of all routes that were tried. Returns `None`
+/// if the error model changes nothing of this sheet, or allows no path.
+pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     match problem.errors {
         ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
         ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),
@@ -40,7 +28,7 @@ pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Selected
 }
 
 /// Finds the route that leads farthest on any of the proposed crease groups, and without any.
-fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     let start = Instant::now();
     problem.watch.begin(Stage::Symmetry);
     let (pattern, goal) = (problem.pattern, problem.goal);
@@ -101,22 +89,20 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
     }
     let mut route = best?;
     notes.append(&mut route.notes);
-    Some(SelectedRoute {
-        route: Route {
-            notes,
-            symmetry,
-            following,
-            work,
-            ..route
-        },
+    Some(Route {
+        notes,
+        symmetry,
+        following,
+        work,
         symmetric,
         asked_closure,
+        ..route
     })
 }
 
 /// Finds the route of every crease on its own, with stars that are taken to fold flat exactly where they nearly do.
 /// Returns `None` if no star changes, or the sheet as it is does not close as well along the route as the bound needs.
-fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<SelectedRoute<'a>> {
+fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<Route<'a>> {
     let start = Instant::now();
     let PlanningProblem {
         pattern,
@@ -136,11 +122,7 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<S
     }
     route.notes.push(Note::Snapped { turned });
     route.symmetry += symmetry;
-    Some(SelectedRoute {
-        route,
-        symmetric: None,
-        asked_closure: None,
-    })
+    Some(route)
 }
 
 /// Returns crease groups to try one after the other, each with `true` if the goal has to close exactly under them. Groups

@@ -7,11 +7,13 @@ use std::collections::HashMap;
 use foldpath_core::{Curve, Interpolation, Node};
 
 use super::overshoot::peaks;
-use super::reduced_path::{PathPoint, ReducedPath};
+use super::reduced_path::ReducedPath;
 use super::segment::{SegmentBuilder, TimeLaw};
 use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
+use crate::motion::Knot;
 use crate::planner::closing::solver::ClosureSolver;
-use crate::planner::knots::Knot;
+use crate::planner::following::follow::Waypoint;
+use crate::planner::knots::{KnotSequence, Open};
 use crate::planner::options::{PlanOptions, Timing};
 use crate::symmetry::ReducedStars;
 use crate::util::parallel;
@@ -47,49 +49,6 @@ pub(crate) struct SheetBounds<'a> {
     pub(crate) bound: f64,
 }
 
-/// Knots, the interpolation between them, and bounds on the motion.
-pub(crate) struct KnotSequence {
-    pub(crate) interpolation: Interpolation,
-    pub(crate) knots: Vec<Knot>,
-    /// Bounds on the closure over the whole motion.
-    pub(crate) closure: Closure,
-    /// First segment that does not keep the closure condition, if any.
-    open: Option<Open>,
-}
-
-/// The first segment of a motion that does not keep the closure condition.
-struct Open {
-    segment: usize,
-    /// Path length to the start of the segment.
-    arc_length: f64,
-    /// Bounds on the closure before the segment.
-    before: Closure,
-}
-
-impl KnotSequence {
-    /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
-    pub(crate) fn cut(&mut self) -> bool {
-        let Some(open) = self.open.take() else {
-            return false;
-        };
-        self.knots.truncate(open.segment + 1);
-        self.closure = open.before;
-        true
-    }
-
-    /// Returns the path length up to which the motion keeps the closure condition; infinite if all of it does.
-    fn closes_to(&self) -> f64 {
-        self.open
-            .as_ref()
-            .map_or(f64::INFINITY, |open| open.arc_length)
-    }
-
-    /// Returns the seconds from the first knot to the last.
-    fn duration(&self) -> f64 {
-        self.knots.last().map_or(0.0, |last| last.stored.time)
-    }
-}
-
 /// Places knots on a path, with the interpolation asked for or the one that needs the fewest.
 ///
 /// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
@@ -111,7 +70,7 @@ pub(crate) fn place(
         curves: Vec::new(),
         known: HashMap::new(),
     };
-    if path.arc_lengths().len() < 2 {
+    if path.waypoints().len() < 2 {
         return placer.alone();
     }
     let all = [
@@ -150,10 +109,10 @@ pub(crate) fn place(
                 continue;
             };
             let better = best.as_ref().is_none_or(|best| {
-                let order = best.closes_to().total_cmp(&placed.closes_to());
+                let order = closes_to(best).total_cmp(&closes_to(&placed));
                 order
                     .then(placed.knots.len().cmp(&best.knots.len()))
-                    .then(placed.duration().total_cmp(&best.duration()))
+                    .then(duration(&placed).total_cmp(&duration(best)))
                     .is_lt()
             });
             if better {
@@ -167,6 +126,17 @@ pub(crate) fn place(
     best
 }
 
+/// Returns the path length up to which a motion keeps the closure condition; infinite if all of it does.
+fn closes_to(motion: &KnotSequence) -> f64 {
+    let open = motion.open.as_ref();
+    open.map_or(f64::INFINITY, |open| open.arc_length)
+}
+
+/// Returns the seconds from the first knot of a motion to the last.
+fn duration(motion: &KnotSequence) -> f64 {
+    motion.knots.last().map_or(0.0, |last| last.time)
+}
+
 /// Returns the fastest time law of a path.
 fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLaw {
     let groups = constraints.limits.len();
@@ -177,7 +147,7 @@ fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLa
 
 /// Returns the time laws with which an interpolation may need few knots.
 fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
-    let leads = 0..path.point(0).angles.len().min(MAX_LEADS);
+    let leads = 0..path.waypoints()[0].angles.len().min(MAX_LEADS);
     match kind {
         Interpolation::HalfAngle => leads.map(TimeLaw::HalfAngle).collect(),
         Interpolation::Homogeneous => {
@@ -209,7 +179,7 @@ struct KnotPlacer<'a, 's> {
     certifier: SegmentCertifier,
     sheet: Option<SheetBounds<'a>>,
     /// Configurations found on the path in addition to its waypoints.
-    found: Vec<PathPoint>,
+    found: Vec<Waypoint>,
     curves: Vec<Curve<f64>>,
     /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
     known: HashMap<[u64; 2], Closure>,
@@ -236,18 +206,16 @@ fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
 impl KnotPlacer<'_, '_> {
     /// Returns the single configuration of a path of length 0.
     fn alone(&mut self) -> Option<KnotSequence> {
-        let first = self
-            .path
-            .arc_lengths()
-            .first()
-            .map(|_| self.path.point(0))?;
-        let mut knot = Knot::at(first.angles);
-        knot.stored.rates = vec![0.0; knot.stored.angles.len()];
+        let angles = self.path.waypoints().first()?.angles.clone();
         Some(KnotSequence {
             interpolation: Interpolation::Hermite,
-            knots: vec![knot],
+            knots: vec![Knot {
+                rates: vec![0.0; angles.len()],
+                angles,
+                ..Knot::default()
+            }],
             closure: self.closed(),
-            open: None,
+            ..KnotSequence::default()
         })
     }
 
@@ -257,9 +225,9 @@ impl KnotPlacer<'_, '_> {
     fn place(&mut self, kind: Interpolation, law: &TimeLaw) -> Option<KnotSequence> {
         self.known.clear();
         let builder = SegmentBuilder::new(self.path, kind, law);
-        let last = self.path.arc_lengths().len().checked_sub(1)?;
-        let mut points = vec![self.path.point(0)];
-        let mut open = vec![self.path.point(last)];
+        let waypoints = self.path.waypoints();
+        let mut points = vec![waypoints.first()?.clone()];
+        let mut open = vec![waypoints.last()?.clone()];
         if self.constraints.closure.is_none() {
             open.extend(self.path.inner().rev().map(|index| self.waypoint(index)));
             points.extend(open.drain(..).rev());
@@ -267,12 +235,12 @@ impl KnotPlacer<'_, '_> {
             return self.knots(&builder, &points);
         }
         // Knots are needed first of all at configurations where the motion rests, a phase ends, or accelerations jump.
-        let mut needed: Vec<PathPoint> = self
+        let mut needed: Vec<Waypoint> = self
             .path
             .inner()
             .map(|index| self.waypoint(index))
             .collect();
-        needed.retain(PathPoint::stays);
+        needed.retain(Waypoint::stays);
         if let (TimeLaw::Optimal(law), true) = (law, self.constraints.acceleration.is_finite()) {
             let switches = law.switches().iter().map(|k| law.parameters()[*k]);
             let (start, end) = (points[0].arc_length, open[0].arc_length);
@@ -320,11 +288,7 @@ impl KnotPlacer<'_, '_> {
 
     /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
     /// only roughly. The hinge then turns from one angle to the other and no farther.
-    fn stay_within(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        points: &mut [PathPoint],
-    ) -> Option<()> {
+    fn stay_within(&mut self, builder: &SegmentBuilder<'_>, points: &mut [Waypoint]) -> Option<()> {
         let mut turned = true;
         while core::mem::take(&mut turned) {
             for index in 1..points.len() {
@@ -345,7 +309,7 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Removes knots while the motion between those that remain keeps the conditions.
-    fn thin(&mut self, builder: &SegmentBuilder<'_>, points: &mut Vec<PathPoint>) -> Option<()> {
+    fn thin(&mut self, builder: &SegmentBuilder<'_>, points: &mut Vec<Waypoint>) -> Option<()> {
         let mut index = 1;
         while index + 1 < points.len() {
             if !points[index].stays()
@@ -364,8 +328,8 @@ impl KnotPlacer<'_, '_> {
     fn span(
         &mut self,
         builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
+        from: &Waypoint,
+        to: &Waypoint,
     ) -> Option<f64> {
         if self.solver.is_late() {
             return None;
@@ -378,8 +342,8 @@ impl KnotPlacer<'_, '_> {
     fn fits(
         &mut self,
         builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
+        from: &Waypoint,
+        to: &Waypoint,
     ) -> Option<bool> {
         let span = self.span(builder, from, to)?;
         let constraints = self.constraints;
@@ -439,8 +403,8 @@ impl KnotPlacer<'_, '_> {
     fn exceeds_limits(
         &self,
         builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
+        from: &Waypoint,
+        to: &Waypoint,
         span: f64,
     ) -> bool {
         let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS_RATIO);
@@ -463,14 +427,14 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Returns the waypoint of this number, which is not an end.
-    fn waypoint(&mut self, index: usize) -> PathPoint {
-        let point = self.path.point(index);
+    fn waypoint(&mut self, index: usize) -> Waypoint {
+        let point = self.path.waypoints()[index].clone();
         self.within_limits(point)
     }
 
     /// Corrects a configuration between the ends. A hinge at its limit has just reached the limit or is about to leave
     /// it, so that its rate is 0.
-    fn within_limits(&mut self, mut point: PathPoint) -> PathPoint {
+    fn within_limits(&mut self, mut point: Waypoint) -> Waypoint {
         let hinges = point.angles.iter().zip(&point.tangent);
         let limits = hinges.zip(self.constraints.limits);
         let at_limit = limits.map(|((angle, rate), (lower, upper))| {
@@ -496,14 +460,15 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Returns a configuration between two others, if they are far enough apart.
-    fn between(&mut self, from: &PathPoint, to: &PathPoint) -> Option<PathPoint> {
+    fn between(&mut self, from: &Waypoint, to: &Waypoint) -> Option<Waypoint> {
         if let Some(index) = self.path.waypoint_between(from.arc_length, to.arc_length) {
             return Some(self.waypoint(index));
         }
         let middle = (from.arc_length + to.arc_length) / 2.0;
-        let arc_lengths = self.path.arc_lengths();
-        let next = arc_lengths.partition_point(|arc_length| *arc_length <= middle);
-        let around = arc_lengths.get(next)? - arc_lengths.get(next.checked_sub(1)?)?;
+        let waypoints = self.path.waypoints();
+        let next = waypoints.partition_point(|waypoint| waypoint.arc_length <= middle);
+        let around =
+            waypoints.get(next)?.arc_length - waypoints.get(next.checked_sub(1)?)?.arc_length;
         if to.arc_length - from.arc_length <= MIN_SPACING_RATIO * around {
             return None;
         }
@@ -511,7 +476,7 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Returns the closed configuration at a path length.
-    fn point_at(&mut self, arc_length: f64) -> Option<PathPoint> {
+    fn point_at(&mut self, arc_length: f64) -> Option<Waypoint> {
         let known = self
             .found
             .iter()
@@ -526,11 +491,7 @@ impl KnotPlacer<'_, '_> {
     }
 
     /// Makes the knots at these configurations, with time stretched so that no hinge is too fast.
-    fn knots(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        points: &[PathPoint],
-    ) -> Option<KnotSequence> {
+    fn knots(&mut self, builder: &SegmentBuilder<'_>, points: &[Waypoint]) -> Option<KnotSequence> {
         let (mut closure, mut open) = (self.closed(), None);
         let most = self.constraints.closure.unwrap_or(f64::INFINITY);
         let mut stretch = 0.0;
@@ -555,18 +516,21 @@ impl KnotPlacer<'_, '_> {
             let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
             let homogeneous = builder.kind == Interpolation::Homogeneous;
             let weights = nodes.iter().filter(|_| homogeneous);
-            let mut knot = Knot::at(point.angles.clone());
-            knot.stored.time = (builder.law.at(point)[0] - start) * stretch;
-            knot.stored.rates = nodes.iter().map(|node| node.rate / stretch).collect();
-            knot.stored.weights = weights
-                .map(|node| [node.weight[0], node.weight[1] / stretch])
-                .collect();
-            knot.ends_phase = point.ends_phase;
-            knot
+            Knot {
+                time: (builder.law.at(point)[0] - start) * stretch,
+                angles: point.angles.clone(),
+                rates: nodes.iter().map(|node| node.rate / stretch).collect(),
+                weights: weights
+                    .map(|node| [node.weight[0], node.weight[1] / stretch])
+                    .collect(),
+                ..Knot::default()
+            }
         });
+        let phases = (0..points.len()).filter(|&index| points[index].ends_phase);
         Some(KnotSequence {
             interpolation: builder.kind,
             knots: knots.collect(),
+            phases: phases.collect(),
             closure,
             open,
         })
@@ -574,6 +538,6 @@ impl KnotPlacer<'_, '_> {
 }
 
 /// Returns the key of the segment between two configurations.
-fn key(from: &PathPoint, to: &PathPoint) -> [u64; 2] {
+fn key(from: &Waypoint, to: &Waypoint) -> [u64; 2] {
     [from, to].map(|point| point.arc_length.to_bits())
 }

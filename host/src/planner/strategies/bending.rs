@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::certificate::range;
+use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, Diagonals, Letter};
-use crate::planner::plan::Plan;
 use crate::planner::{Goal, HingeLimit, PlanOptions};
 
 /// A sheet whose panels are cut along diagonals, with the same goal and options for it.
@@ -50,18 +50,15 @@ impl BentSheet {
         options
     }
 
-    /// Returns the largest bend of a panel over the path of a plan of this sheet, radians.
-    pub(crate) fn largest_bend(&self, plan: &Plan) -> f64 {
-        let groups: Vec<usize> = bends(&self.pattern)
-            .filter_map(|crease| plan.path.memberships.get(crease.index()))
-            .map(|member| member.group.index())
-            .collect();
-        let segments = plan.path.curves();
-        let curves = segments
-            .iter()
-            .flat_map(|curves| groups.iter().map(|&group| &curves[group]));
+    /// Returns the largest bend of a panel over a motion of this sheet, radians.
+    pub(crate) fn largest_bend(&self, motion: &Motion) -> f64 {
+        let edges = bends(&self.pattern).map(|crease| self.pattern.creases()[crease.index()]);
+        let curves = edges.flat_map(|edge| {
+            let segments = 0..motion.segments();
+            segments.map(move |segment| motion.curve(segment, edge))
+        });
         let most = curves.map(|curve| {
-            let [low, high] = range(curve);
+            let [low, high] = range(&curve);
             high.max(-low)
         });
         most.fold(0.0, f64::max)

@@ -1,6 +1,8 @@
 //! Runs the table of strategies: each row says when a strategy is tried, under which error model, and when its answer
 //! takes the place of the best so far.
 
+use std::sync::Arc;
+
 use super::bending::BentSheet;
 use super::fold_sequence::{fold_in_sequence, goal_is_free, goal_of_sequences, has_few_creases};
 use super::lines::goal_of_lines;
@@ -8,11 +10,12 @@ use super::pipeline::{self, Ending};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::way_round::lead_round_crossings;
 use crate::collision::contact_tolerance;
+use crate::motion::PlanAnswer;
 use crate::pattern::{CreasePattern, Diagonals};
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
-use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
@@ -48,6 +51,8 @@ struct Row {
     seed: Option<u64>,
     /// Tells whether the strategy is tried, from the best plan so far.
     is_tried: fn(&PlanningProblem<'_>, &Plan) -> bool,
+    /// `true` if the strategy is tried only if random numbers may have decided the best plan so far.
+    needs_chance: bool,
     /// Tells whether a plan takes the place of the best so far.
     is_better: fn(&Plan, &Plan) -> bool,
     /// Returns a note for a plan that took the place of the best so far.
@@ -62,6 +67,7 @@ const BASE: Row = Row {
     goes_near: false,
     seed: None,
     is_tried: |_, _| true,
+    needs_chance: false,
     is_better: |_, _| true,
     note: |_, _, _| None,
 };
@@ -77,7 +83,7 @@ const STRATEGIES: [Row; 10] = [
         is_better: proves_less_deformation,
         note: |_, _, grouped| {
             Some(Note::GroupsDropped {
-                groups: grouped.groups,
+                groups: grouped.reduced.groups,
                 why: GroupsDropped::LessDeformation,
             })
         },
@@ -144,7 +150,8 @@ const fn other_seed(seed: u64) -> Row {
     Row {
         strategy: Strategy::OtherSeed,
         seed: Some(seed),
-        is_tried: |_, plan| plan.is_random && is_no(plan.outcome),
+        is_tried: is_unplanned,
+        needs_chance: true,
         is_better: leads_farther,
         ..BASE
     }
@@ -160,8 +167,9 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
         Outcome::Planned if creases <= FEW_CREASES => options.bound.min(CERTIFIED_DEFORMATION),
         _ => return false,
     };
-    let held = plan.rigidity.deformation.max(plan.rigidity.gap) <= options.bound;
-    let grouped = options.symmetry == Symmetry::Auto && plan.groups < creases;
+    let rigidity = plan.errors.rigidity;
+    let held = rigidity.deformation.max(rigidity.gap) <= options.bound;
+    let grouped = options.symmetry == Symmetry::Auto && plan.reduced.groups < creases;
     let path = grouped && options.search != Search::Random;
     path && held && plan.proved().is_some_and(|proved| proved > aim)
 }
@@ -208,8 +216,8 @@ fn leads_nearer(new: &Plan, best: &Plan) -> bool {
 
 /// Returns a note if the errors of the vertices of a plan would add up to more than the bound in the worst case.
 fn errors_added_up(problem: &PlanningProblem<'_>, new: &Plan, _: &Plan) -> Option<Note> {
-    let closure = new.certified_closure.unwrap_or(0.0);
-    let most = closure * new.amplification.unwrap_or(0.0);
+    let closure = new.certified_closure().unwrap_or(0.0);
+    let most = closure * new.reduced.amplification.unwrap_or(0.0);
     let over = new.outcome == Outcome::Planned && most > problem.options.bound;
     over.then_some(Note::ErrorsAddedUp { closure })
 }
@@ -219,7 +227,7 @@ fn errors_added_up(problem: &PlanningProblem<'_>, new: &Plan, _: &Plan) -> Optio
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::default()).finished(pattern, options)
+    plan_until_over(pattern, goal, options, Watch::default())
 }
 
 /// Plans as [`plan`] does, and reports to `progress`. A call that is cancelled answers [`Outcome::Timeout`], as does
@@ -231,7 +239,7 @@ pub fn plan_watched(
     options: &PlanOptions,
     progress: &Progress,
 ) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::new(progress)).finished(pattern, options)
+    plan_until_over(pattern, goal, options, Watch::new(progress))
 }
 
 fn plan_until_over(
@@ -244,7 +252,7 @@ fn plan_until_over(
         .timeout
         .and_then(|timeout| Instant::now().checked_add(timeout));
     let asked = PlanningProblem {
-        pattern,
+        pattern: &Arc::new(pattern.clone()),
         goal,
         options,
         errors: ErrorModel::Exact,
@@ -259,13 +267,13 @@ fn plan_until_over(
         && is_no(best.outcome)
         && let Some(mut lines) = with_lines_alone(&asked, &best, &mut attempts)
     {
-        lines.add_effort(&best);
+        lines.effort += best.effort;
         best = lines;
     }
     if is_no(best.outcome) && options.bend > 0.0 {
         let bent = with_least_bend(&asked, options.bend, MAX_BEND_HALVINGS, &mut attempts);
         if let Some(mut bent) = bent {
-            bent.add_effort(&best);
+            bent.effort += best.effort;
             best = bent;
         }
     } else if is_stuck(&asked, &best) {
@@ -283,19 +291,29 @@ fn plan_until_over(
         best.outcome = Outcome::Undecided;
         best.reason = Some(Reason::Undecided(question));
     }
-    Plan {
-        attempts,
-        contact_tolerance: asked.contact,
-        ..best
+    best.attempts = attempts;
+    if let Some(motion) = &mut best.motion {
+        motion.seed = Some(options.seed);
+        motion.answer = Some(PlanAnswer {
+            outcome: best.outcome.name().to_string(),
+            reached: best.reached,
+            bound: options.bound,
+            bend: best.max_bend,
+        });
+        let inner = 1..motion.knots.len() - 1;
+        motion.phases.retain(|knot| inner.contains(knot));
     }
+    best
 }
 
 /// Tries the rows of the table in order, and returns the best plan.
 fn run_table(asked: &PlanningProblem<'_>, attempts: &mut Vec<Attempt>) -> Plan {
     let options = asked.options;
     let mut best = Plan::default();
+    let mut is_random = false;
     for row in &STRATEGIES {
-        if row.seed == Some(options.seed) || !(row.is_tried)(asked, &best) {
+        let is_left_out = row.seed == Some(options.seed) || row.needs_chance && !is_random;
+        if is_left_out || !(row.is_tried)(asked, &best) {
             continue;
         }
         let options = PlanOptions {
@@ -309,11 +327,12 @@ fn run_table(asked: &PlanningProblem<'_>, attempts: &mut Vec<Attempt>) -> Plan {
             goes_near: row.goes_near,
             ..*asked
         };
-        let Some(mut plan) = try_strategy(&problem, row.strategy, attempts) else {
+        let Some((mut plan, drew)) = try_strategy(&problem, row.strategy, attempts) else {
             continue;
         };
         if (row.is_better)(&plan, &best) {
-            plan.add_effort(&best);
+            is_random = drew;
+            plan.effort += best.effort;
             plan.notes.extend((row.note)(asked, &plan, &best));
             best = plan;
         }
@@ -342,14 +361,16 @@ fn with_lines_alone(
         options: &options,
         ..*asked
     };
-    let plan = try_strategy(&problem, Strategy::LinesAlone, attempts)?;
+    let (plan, _) = try_strategy(&problem, Strategy::LinesAlone, attempts)?;
     (plan.outcome == Outcome::NearGoal && turned(&plan) > turned(best)).then_some(plan)
 }
 
 /// Returns the sum of the angles by which creases are turned at the end of a path, radians.
 fn turned(plan: &Plan) -> f64 {
-    let end = plan.path.knots.last();
-    let angles = end.map_or_else(Vec::new, |end| plan.path.crease_angles(end));
+    let motion = plan.motion.as_ref();
+    let angles = motion.map_or_else(Vec::new, |motion| {
+        motion.crease_angles(motion.knots.len() - 1)
+    });
     angles.iter().map(|angle| angle.abs()).sum()
 }
 
@@ -391,7 +412,6 @@ fn with_least_bend(
             None => too_small = most,
         }
     }
-    plan.bent = Some(sheet.pattern);
     Some(plan)
 }
 
@@ -409,24 +429,25 @@ fn bent_by(
         options: &options,
         ..*asked
     };
-    let mut plan = try_strategy(&problem, Strategy::BendingPanels, attempts)?;
+    let (mut plan, _) = try_strategy(&problem, Strategy::BendingPanels, attempts)?;
     if plan.outcome != Outcome::Planned {
         return None;
     }
-    plan.max_bend = sheet.largest_bend(&plan);
+    plan.max_bend = sheet.largest_bend(plan.motion.as_ref()?);
     Some(plan)
 }
 
 /// Runs the pipeline for one strategy. If faces cross then, or the path ends before the goal, folds in sequence are
-/// tried too. Returns `None` if the strategy does not apply to this sheet.
+/// tried too. Returns the plan, and `true` if random numbers may have decided it; `None` if the strategy does not apply to
+/// this sheet.
 fn try_strategy(
     problem: &PlanningProblem<'_>,
     strategy: Strategy,
     attempts: &mut Vec<Attempt>,
-) -> Option<Plan> {
+) -> Option<(Plan, bool)> {
     let start = Instant::now();
     let pass = pipeline::run(problem, FIRST_BOUND_FRACTION)?;
-    let plan = pass.plan;
+    let (plan, is_random) = (pass.plan, pass.route.is_random);
     attempts.push(Attempt {
         strategy: match pass.ending {
             Ending::StraightDeforming => Strategy::StraightDeforming,
@@ -437,16 +458,16 @@ fn try_strategy(
         seconds: start.elapsed().as_secs_f64(),
     });
     if pass.ending != Ending::Obstructed || problem.goes_straight {
-        return Some(plan);
+        return Some((plan, is_random));
     }
     let (splits, few) = (splits_phases(problem, &plan), has_few_creases(problem));
     let leads_round = !splits && matches!(plan.outcome, Outcome::Crossing(_));
     if !splits && !few && !leads_round {
-        return Some(plan);
+        return Some((plan, is_random));
     }
     let goal = goal_of_sequences(problem, &pass.route);
     let Some(goal) = goal.filter(|goal| goal_is_free(problem, goal)) else {
-        return Some(plan);
+        return Some((plan, is_random));
     };
     let mut try_phases = |strategy, none: Reason, fold: &dyn Fn() -> Option<Plan>| {
         let start = Instant::now();
@@ -480,11 +501,12 @@ fn try_strategy(
     if found.is_none() && leads_round {
         found = try_phases(Strategy::WayRound, Reason::NoWayRound, &round);
     }
-    Some(match found {
+    let plan = match found {
         Some(mut found) => {
-            found.add_effort(&plan);
+            found.effort += plan.effort;
             found
         }
         None => plan,
-    })
+    };
+    Some((plan, is_random))
 }

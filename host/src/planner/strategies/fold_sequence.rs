@@ -14,9 +14,8 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::mobility::independent_parts;
 use crate::planner::following::reduction::{CLOSED, Reduction, snapping_angle};
 use crate::planner::following::route::{End, Route};
-use crate::planner::knots::Knot;
-use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
-use crate::planner::plan::{Outcome, Plan};
+use crate::planner::lifting::swept_motion::{FIRST_BOUND_FRACTION, LEAST_BOUND_FRACTION};
+use crate::planner::plan::{Effort, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 use crate::planner::{Goal, GoalKind, Search};
@@ -67,8 +66,8 @@ pub(super) fn is_free(
     angles: &[f64],
     closure_tolerance: f64,
 ) -> bool {
-    let mut knot = Knot::at(groups.reduce_all(angles));
-    judge.judge(&mut knot).is_none() && knot.errors().twist <= closure_tolerance
+    let errors = judge.errors_at(&groups.reduce_all(angles));
+    judge.crossing().is_none() && errors.twist <= closure_tolerance
 }
 
 /// Returns `true` if a sheet has few enough creases for folds in sequence to be looked for.
@@ -117,7 +116,7 @@ pub(crate) fn fold_in_sequence(
         barred: Vec::new(),
         steps: 0,
     };
-    let mut effort = Plan::default();
+    let mut effort = Effort::default();
     for _ in 0..MAX_TRIES {
         let mut order = Vec::new();
         if problem.is_late() || orders.extend(&mut order).is_err() {
@@ -127,13 +126,12 @@ pub(crate) fn fold_in_sequence(
         let plan = orders.plan_in_phases(&order, LEAST_BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
             let mut plan = with_fewer_stops(&mut orders, plan, order);
-            plan.add_effort(&effort);
+            plan.effort += effort;
             return Some(plan);
         }
-        let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-        let next = phases.count().min(order.len() - 1);
+        let next = plan.ended_phases().min(order.len() - 1);
         orders.bar(&order[..next], &order[next], &plan.outcome);
-        effort.add_effort(&plan);
+        effort += plan.effort;
     }
     None
 }
@@ -141,7 +139,7 @@ pub(crate) fn fold_in_sequence(
 /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
 /// folded at once if no faces cross then.
 fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBitSet>) -> Plan {
-    let mut effort = Plan::default();
+    let mut effort = Effort::default();
     let mut phases: Vec<Vec<FixedBitSet>> = order.into_iter().map(|next| vec![next]).collect();
     let plan_of = |orders: &Orders<'_>, phases: &[Vec<_>], bound_fraction| {
         let phases = phases.iter().map(|once| union(&orders.goal, once));
@@ -166,7 +164,7 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
                 phases = fewer;
                 from -= run - 1;
             }
-            effort.add_effort(&other);
+            effort += other.effort;
         }
         run = run.div_ceil(2).min(run - 1);
     }
@@ -174,8 +172,8 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan, order: Vec<FixedBit
     if other.outcome == Outcome::Planned {
         core::mem::swap(&mut plan, &mut other);
     }
-    plan.add_effort(&other);
-    plan.add_effort(&effort);
+    plan.effort += other.effort;
+    plan.effort += effort;
     plan.notes.push(Note::Phases(phases.len()));
     plan
 }

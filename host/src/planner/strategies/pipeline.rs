@@ -7,11 +7,14 @@ use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
 use crate::planner::following::route::{End, Route, straight};
-use crate::planner::following::route_selection::{SelectedRoute, select_route};
-use crate::planner::knots::Knot;
-use crate::planner::lifting::certified_motion::CandidatePath;
-use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, ended_unjudged, lift};
-use crate::planner::plan::{Failure, Outcome, Plan};
+use crate::planner::following::route_selection::select_route;
+use crate::planner::lifting::certified_motion::Lifting;
+use crate::planner::lifting::lifted::Lifted;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
+use crate::planner::lifting::whole_sheet::lift;
+use crate::planner::plan::{
+    Arrival, CrossingSearch, Effort, Failure, Outcome, Plan, ReducedProblem,
+};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
@@ -47,72 +50,109 @@ pub(crate) enum Ending {
 /// Runs all stages. The motion between knots is certified for `bound_fraction` of the bound at first. Returns `None` if
 /// the error model changes nothing of this sheet, or allows no path.
 pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
-    let mut pass = run_stages(problem, bound_fraction)?;
-    judge_arrival(problem, &mut pass.plan);
-    Some(pass)
+    let mut route = select_route(problem)?;
+    let mut arrival = Arrival::default();
+    if let Some(last) = route.waypoints.last() {
+        arrival.error = route.reduction.distance(&last.angles, problem.goal);
+    }
+    let mut notes = core::mem::take(&mut route.notes);
+    notes.extend(rough_groups(&route.reduction));
+    let has_way = !route.waypoints.is_empty();
+    let (mut lifted, ending) = match route.end {
+        End::Reached if has_way => {
+            let start = Instant::now();
+            arrival.goal_closure = goal_closure(problem, &route);
+            notes.extend(moved_goal(problem, arrival));
+            route.symmetry += start.elapsed();
+            along_route(problem, &route, None, arrival.goal_closure, bound_fraction)
+        }
+        End::Stopped(Stop::Timeout) => (out_of_time(problem, &route), Ending::Route),
+        end => match (deform(problem, with_symmetry(&route)), end) {
+            (Some(deformed), _) => {
+                notes.extend(rough_groups(with_symmetry(&route)));
+                notes.push(Note::Deforming);
+                (deformed, Ending::StraightDeforming)
+            }
+            (None, End::Stopped(stop)) if has_way => {
+                along_route(problem, &route, Some(stop), 0.0, bound_fraction)
+            }
+            _ => (without_route(problem, &route), Ending::Route),
+        },
+    };
+    let reduction = match ending {
+        Ending::StraightDeforming => with_symmetry(&route),
+        Ending::Route | Ending::Obstructed => &route.reduction,
+    };
+    arrival.flat_creases = judge_arrival(problem, &reduction.groups, &mut lifted);
+    arrival.error = lifted.goal_error.unwrap_or(arrival.error);
+    notes.append(&mut lifted.notes);
+    let mut times = lifted.times;
+    times.symmetry += route.symmetry;
+    times.solve += route.following;
+    let memberships = reduction.groups.memberships();
+    let plan = Plan {
+        outcome: lifted.outcome,
+        reason: lifted.reason,
+        reached: lifted.reached,
+        motion: (lifted.knots).into_motion(problem.pattern.clone(), memberships, problem.options),
+        max_bend: 0.0,
+        reduced: ReducedProblem {
+            groups: reduction.groups.len(),
+            essential_vertices: reduction.essential.vertices().len(),
+            waypoints: lifted.waypoints,
+            amplification: reduction.amplification,
+            closure_tolerance: reduction.closure_tolerance(problem.options),
+        },
+        errors: lifted.errors,
+        certificate: lifted.certificate,
+        arrival,
+        effort: Effort {
+            iterations: route.work.iterations,
+            evaluations: route.work.evaluations,
+            times,
+        },
+        crossings: CrossingSearch {
+            contact_tolerance: problem.contact,
+            ..lifted.crossings
+        },
+        notes,
+        undecided: lifted.undecided,
+        attempts: Vec::new(),
+    };
+    Some(Pass {
+        plan,
+        route,
+        ending,
+    })
 }
 
-fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
-    let SelectedRoute {
-        mut route,
-        symmetric,
-        asked_closure,
-    } = select_route(problem)?;
-    let mut plan = Plan {
-        iterations: route.work.iterations,
-        evaluations: route.work.evaluations,
-        notes: core::mem::take(&mut route.notes),
-        is_random: route.is_random,
-        ..Plan::default()
+/// Returns the reduction to the crease groups that were dropped for the route, or else that of the route.
+fn with_symmetry<'r, 'a>(route: &'r Route<'a>) -> &'r Reduction<'a> {
+    route.symmetric.as_ref().unwrap_or(&route.reduction)
+}
+
+/// Returns a note if the sheet has the symmetry of its crease groups only nearly.
+fn rough_groups(reduction: &Reduction<'_>) -> Option<Note> {
+    let groups = &reduction.groups;
+    groups.is_rough().then(|| Note::RoughGroups {
+        groups: groups.len(),
+        tolerance: groups.tolerance(),
+    })
+}
+
+/// Ends a plan as time ran out before the goal: it goes along the route as far as that was found.
+fn out_of_time(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
+    let mut lifted = Lifted {
+        reached: route.reached,
+        ..Lifted::default()
     };
-    plan.times.symmetry = route.symmetry;
-    plan.times.solve = route.following;
-    describe(problem, &route.reduction, &mut plan);
-    if let Some(last) = route.waypoints.last() {
-        plan.goal_error = route.reduction.distance(&last.angles, problem.goal);
-    }
-    let pass = |plan, route, ending| {
-        Some(Pass {
-            plan,
-            route,
-            ending,
-        })
+    let at = if route.goal.is_none() && route.waypoints.is_empty() {
+        TimeoutAt::ClosingGoal
+    } else {
+        TimeoutAt::Following
     };
-    let stop = match route.end {
-        End::Reached if !route.waypoints.is_empty() => None,
-        End::Stopped(Stop::Timeout) if route.waypoints.is_empty() => {
-            let at = if route.goal.is_some() {
-                TimeoutAt::Following
-            } else {
-                TimeoutAt::ClosingGoal
-            };
-            return pass(plan.ended(Failure::out_of_time(at)), route, Ending::Route);
-        }
-        End::Stopped(Stop::Timeout) => {
-            plan.reached = route.reached;
-            let failure = Failure::out_of_time(TimeoutAt::Following);
-            let plan = ended_unjudged(problem, &route.waypoints, plan, failure);
-            return pass(plan, route, Ending::Route);
-        }
-        end => {
-            let reduction = symmetric.as_ref().unwrap_or(&route.reduction);
-            if let Some(plan) = deform(problem, reduction, &plan) {
-                return pass(plan, route, Ending::StraightDeforming);
-            }
-            match end {
-                End::Stopped(stop) if !route.waypoints.is_empty() => Some(stop),
-                _ => {
-                    let plan = without_route(problem, &route, plan);
-                    return pass(plan, route, Ending::Route);
-                }
-            }
-        }
-    };
-    if stop.is_none() {
-        note_moved_goal(problem, &route, asked_closure, &mut plan);
-    }
-    let (plan, ending) = along_route(problem, &route, stop, plan, bound_fraction);
-    pass(plan, route, ending)
+    lifted.end_unjudged(&route.waypoints, problem.options.max_speed, at);
+    lifted
 }
 
 /// Lifts the route to the whole sheet, as far as it leads; `stop` tells why it ends before the goal, if it does.
@@ -120,9 +160,9 @@ fn along_route(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
     stop: Option<Stop>,
-    plan: Plan,
+    goal_closure: f64,
     bound_fraction: f64,
-) -> (Plan, Ending) {
+) -> (Lifted, Ending) {
     // Outcome if the motion along the route keeps the bound and is free of crossings.
     let (outcome, reason) = match stop {
         None => (Outcome::Planned, None),
@@ -132,98 +172,75 @@ fn along_route(
             (outcome, Some(path_stops(problem, route, stop)))
         }
     };
-    let candidate = CandidatePath {
-        waypoints: &route.waypoints,
-        closure_tolerance: route.closure_tolerance,
+    let ends_earlier = goal_closure > CLOSED && !problem.errors.is_snapped();
+    let (reduction, closure_tolerance) = (&route.reduction, route.closure_tolerance);
+    let lifting = Lifting {
         reached: route.reached,
-        retreats: plan.goal_closure > CLOSED && !problem.errors.is_snapped(),
-        bound_fraction,
-        before: None,
+        open_goal: ends_earlier.then_some(goal_closure),
+        ..Lifting::new(problem, reduction, &route.waypoints, closure_tolerance)
     };
-    let mut plan = lift(problem, &route.reduction, &candidate, plan);
-    let crossed = matches!(plan.outcome, Outcome::Crossing(_));
-    match plan.outcome {
-        Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
+    let mut lifted = lift(&lifting, bound_fraction);
+    let crossed = matches!(lifted.outcome, Outcome::Crossing(_));
+    match lifted.outcome {
+        Outcome::Planned => (lifted.outcome, lifted.reason) = (outcome, reason),
         // The goal crosses, however much of the path is proved.
-        Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
+        Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => lifted.outcome = outcome,
         _ => {}
     }
-    let obstructed = crossed && outcome == Outcome::Planned || plan.outcome == Outcome::Partial;
-    if !crossed && let Outcome::Crossing(Crossing { faces, .. }) = plan.outcome {
+    let obstructed = crossed && outcome == Outcome::Planned || lifted.outcome == Outcome::Partial;
+    if !crossed && let Outcome::Crossing(Crossing { faces, .. }) = lifted.outcome {
         let goal_crosses = |reason| Reason::GoalCrosses {
             faces,
             path: Box::new(reason),
         };
-        plan.reason = plan.reason.map(goal_crosses);
+        lifted.reason = lifted.reason.map(goal_crosses);
     }
     let ending = if obstructed {
         Ending::Obstructed
     } else {
         Ending::Route
     };
-    (plan, ending)
+    (lifted, ending)
 }
 
-/// Stores the sizes and tolerances of the reduced problem in the plan.
-fn describe(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &mut Plan) {
-    let groups = &reduction.groups;
-    if groups.is_rough() {
-        plan.notes.push(Note::RoughGroups {
-            groups: groups.len(),
-            tolerance: groups.tolerance(),
-        });
-    }
-    plan.amplification = reduction.amplification;
-    plan.essential_tolerance = reduction.closure_tolerance(problem.options);
-    plan.groups = groups.len();
-    plan.essential_vertices = reduction.essential.vertices().len();
-    plan.unknowns = groups.len();
-    plan.path.memberships = groups.memberships().to_vec();
-}
-
-/// Stores in the plan how far the goal was from closing, with a note of how far it was moved, if it was.
-fn note_moved_goal(
-    problem: &PlanningProblem<'_>,
-    route: &Route<'_>,
-    asked_closure: Option<f64>,
-    plan: &mut Plan,
-) {
-    let start = Instant::now();
-    let goal = problem.goal;
-    let closure = asked_closure.or_else(|| {
+/// Returns how far the goal as asked is from closing. Free hinges take the angles at which the sheet closes.
+fn goal_closure(problem: &PlanningProblem<'_>, route: &Route<'_>) -> f64 {
+    let closure = route.asked_closure.or_else(|| {
         let angles = route.reduction.groups.expand(route.last());
-        let asked = goal.fold_angles.iter().zip(angles);
-        // Free hinges take the angles at which the sheet closes.
+        let asked = problem.goal.fold_angles.iter().zip(angles);
         let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
         closure_of(problem.pattern, &angles)
     });
-    plan.goal_closure = closure.unwrap_or(0.0);
-    plan.times.symmetry += start.elapsed();
-    let moved = !problem.errors.is_snapped() || plan.goal_error > SAME_RAD;
-    if plan.goal_closure > CLOSED && moved {
-        plan.notes.push(Note::GoalMoved {
-            goal: goal.source.clone(),
-            residual: plan.goal_closure,
-            moved: plan.goal_error,
-        });
-    }
+    closure.unwrap_or(0.0)
+}
+
+/// Returns a note of how far the goal was moved, if it was.
+fn moved_goal(problem: &PlanningProblem<'_>, arrival: Arrival) -> Option<Note> {
+    let moved = !problem.errors.is_snapped() || arrival.error > SAME_RAD;
+    (arrival.goal_closure > CLOSED && moved).then(|| Note::GoalMoved {
+        goal: problem.goal.source.clone(),
+        residual: arrival.goal_closure,
+        moved: arrival.error,
+    })
 }
 
 /// Returns the crossing of faces at the goal itself, if there is one.
 fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Crossing> {
-    let mut goal = Knot::at(route.goal.clone()?);
-    Judge::new(problem, &route.reduction, problem.options.collision).judge(&mut goal)
+    let goal = route.goal.as_ref()?;
+    Judge::new(problem, &route.reduction, problem.options.collision).crossing_at(goal)
 }
 
 /// Ends a plan that has no route to follow.
-fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>, mut plan: Plan) -> Plan {
+fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
+    let mut lifted = Lifted::default();
     if problem.is_late() {
-        return plan.ended(Failure::out_of_time(TimeoutAt::ClosingGoal));
+        lifted.end(Failure::out_of_time(TimeoutAt::ClosingGoal));
+        return lifted;
     }
     let End::NotClosed { phase, nearest } = route.end else {
-        return plan;
+        return lifted;
     };
-    plan.goal_error = nearest.unwrap_or_else(|| largest(&problem.goal.fold_angles));
+    lifted.goal_error = nearest.or_else(|| Some(largest(&problem.goal.fold_angles)));
     let goal = problem.goal.via.get(phase).unwrap_or(problem.goal);
     let asked = goal
         .fold_angles
@@ -232,7 +249,7 @@ fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>, mut plan: Pla
     let asked = route.reduction.groups.reduce(&asked.collect::<Vec<_>>());
     let asked: Vec<f64> = asked.into_iter().flatten().collect();
     let worst = route.reduction.worst(problem.pattern, &asked);
-    plan.ended(Failure {
+    lifted.end(Failure {
         outcome: Outcome::GoalNotClosed,
         reason: Reason::GoalNotClosed {
             goal: goal.source.clone(),
@@ -240,7 +257,8 @@ fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>, mut plan: Pla
             worst: worst.filter(|worst| worst.residual > CLOSED),
         },
         kept: 1.0,
-    })
+    });
+    lifted
 }
 
 /// Returns the reason why the route ends before the goal.
@@ -281,13 +299,13 @@ fn members(pattern: &CreasePattern, reduction: &Reduction<'_>, group: usize) -> 
     members.map(|(_, &edge)| edge).collect()
 }
 
-/// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly. `plan` is the plan so far.
+/// Lifts a path on which the sheet deforms within the bound, as it does not fold rigidly.
 ///
 /// The essential crease pattern is taken straight to the goal. If it keeps the bound, the path is lifted to the whole
 /// sheet: either the whole sheet keeps the bound too, or it is not rigidly foldable this way (Prop. 5.1 of the report).
 /// Returns `None` if the essential pattern already breaks the bound, or the goal does not have the symmetry of the
 /// crease groups.
-fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan) -> Option<Plan> {
+fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>) -> Option<Lifted> {
     let options = problem.options;
     let asked = reduction.groups.reduce(&problem.goal.fold_angles);
     let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
@@ -305,17 +323,8 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan)
     if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
         return None;
     }
-    let mut plan = plan.clone();
-    describe(problem, reduction, &mut plan);
-    plan.goal_error = error;
-    plan.notes.push(Note::Deforming);
-    let candidate = CandidatePath {
-        waypoints: &waypoints,
-        closure_tolerance: options.bound,
-        reached: 1.0,
-        retreats: false,
-        bound_fraction: FIRST_BOUND_FRACTION,
-        before: None,
-    };
-    Some(lift(problem, reduction, &candidate, plan))
+    let lifting = Lifting::new(problem, reduction, &waypoints, options.bound);
+    let mut lifted = lift(&lifting, FIRST_BOUND_FRACTION);
+    lifted.goal_error.get_or_insert(error);
+    Some(lifted)
 }

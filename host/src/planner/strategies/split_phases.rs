@@ -12,8 +12,8 @@ use fixedbitset::FixedBitSet;
 use super::fold_sequence::{between, plan_in_phases, set};
 use crate::folding::SpanningTree;
 use crate::planner::following::reduction::CLOSED;
-use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
-use crate::planner::plan::{Outcome, Plan};
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
+use crate::planner::plan::{Effort, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 
@@ -74,7 +74,7 @@ pub(crate) fn fold_in_split_phases(
         open: BinaryHeap::new(),
     };
     candidates.split(&all, straight);
-    let mut effort = Plan::default();
+    let mut effort = Effort::default();
     for _ in 0..MAX_TRIES {
         let phases = candidates.open.pop()?.phases;
         if problem.is_late() {
@@ -82,12 +82,12 @@ pub(crate) fn fold_in_split_phases(
         }
         let mut plan = plan_in_phases(problem, goal, &phases, FIRST_BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
-            plan.add_effort(&effort);
+            plan.effort += effort;
             plan.notes.push(Note::Phases(phases.len()));
             return Some(plan);
         }
         candidates.split(&phases, &plan);
-        effort.add_effort(&plan);
+        effort += plan.effort;
     }
     None
 }
@@ -98,8 +98,7 @@ impl Candidates<'_> {
         let Outcome::Crossing(crossing) = plan.outcome else {
             return;
         };
-        let ended = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-        let phase = ended.count().min(phases.len() - 1);
+        let phase = plan.ended_phases().min(phases.len() - 1);
         let between = between(&self.tree, self.goal, crossing.faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {

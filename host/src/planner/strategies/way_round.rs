@@ -10,8 +10,8 @@ use crate::folding::FoldingMap;
 use crate::pattern::FaceId;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::Reduction;
-use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
-use crate::planner::plan::{Outcome, Plan};
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
+use crate::planner::plan::{Effort, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 use crate::planner::vectors::{dot, max_norm};
@@ -39,7 +39,7 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
     let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
     let mut stops: Vec<Vec<f64>> = Vec::new();
     let mut pairs = Vec::new();
-    let mut effort = Plan::default();
+    let mut effort = Effort::default();
     let mut plan = straight.clone();
     let mut reached = plan.reached;
     while stops.len() < MAX_STOPS && !problem.is_late() {
@@ -49,10 +49,10 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
         if !pairs.contains(&crossing.faces) {
             pairs.push(crossing.faces);
         }
-        let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-        let phase = phases.count().min(stops.len());
-        let mut knots = plan.path.knots.iter().rev();
-        let [end, before] = [knots.next()?, knots.next()?].map(|k| plan.path.crease_angles(k));
+        let phase = plan.ended_phases().min(stops.len());
+        let motion = plan.motion.as_ref()?;
+        let last = motion.knots.len() - 1;
+        let [end, before] = [last, last.checked_sub(1)?].map(|knot| motion.crease_angles(knot));
         let along: Vec<f64> = end
             .iter()
             .zip(before)
@@ -65,11 +65,11 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
         stops.insert(phase, apart.find_map(|found| found)?);
         plan = plan_via(problem, &stops, FIRST_BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
-            plan.add_effort(&effort);
+            plan.effort += effort;
             plan.notes.push(Note::Phases(stops.len() + 1));
             return Some(plan);
         }
-        effort.add_effort(&plan);
+        effort += plan.effort;
         if plan.reached < reached + MIN_GAIN_RATIO {
             return None;
         }
