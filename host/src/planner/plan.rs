@@ -7,6 +7,7 @@ use super::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion, PLANNED};
+use crate::util::clock::Instant;
 
 /// Answer of the planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -137,6 +138,8 @@ pub struct Effort {
     pub evaluations: u64,
     /// Time spent.
     pub times: Times,
+    /// `true` if random numbers may have decided the answer.
+    pub is_random: bool,
 }
 
 /// The search for crossings.
@@ -253,6 +256,18 @@ pub struct Attempt {
     pub seconds: f64,
 }
 
+impl Attempt {
+    /// Makes the attempt that ended with a plan. It began at `start`.
+    pub(super) fn new(strategy: Strategy, plan: &Plan, start: Instant) -> Self {
+        Self {
+            strategy,
+            outcome: plan.outcome,
+            reason: plan.reason.clone(),
+            seconds: start.elapsed().as_secs_f64(),
+        }
+    }
+}
+
 /// Reason why a stage does not lead on, with the outcome of the plan that ends there.
 pub(super) struct Failure {
     pub(super) outcome: Outcome,
@@ -306,6 +321,7 @@ impl Plan {
 }
 
 impl AddAssign for Effort {
+    /// Adds the effort of an answer that is not kept; its random numbers have not decided.
     fn add_assign(&mut self, other: Self) {
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 46] = [
+const ORDER: [&str; 50] = [
     "vectors",
     "goal",
     "knots",
@@ -38,6 +38,7 @@ const ORDER: [&str; 46] = [
     "placement/reduced_path",
     "placement/segment",
     "placement/knot_placement",
+    "lifting/lifted",
     "lifting/certified_motion",
     "lifting/measured_motion",
     "lifting/swept_motion",
@@ -45,6 +46,9 @@ const ORDER: [&str; 46] = [
     "strategies/arrival",
     "strategies/simple_folds",
     "strategies/pipeline",
+    "strategies/rows",
+    "strategies/stops",
+    "strategies/phases",
     "strategies/fold_sequence",
     "strategies/split_phases",
     "strategies/way_round",

@@ -169,6 +169,15 @@ impl<'a> Route<'a> {
         self.waypoints.last().map_or(&[], |last| &last.angles)
     }
 
+    /// Returns `true` if the route does not reach the goal, and not for want of time.
+    pub(crate) fn ends_early(&self) -> bool {
+        match self.end {
+            End::Reached => self.waypoints.is_empty(),
+            End::Stopped(stop) => stop != Stop::Timeout,
+            End::NotClosed { .. } => true,
+        }
+    }
+
     /// Returns `true` if no other route can do better.
     pub(crate) fn is_complete(&self) -> bool {
         matches!(self.end, End::Reached | End::Stopped(Stop::Timeout))

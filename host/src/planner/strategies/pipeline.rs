@@ -1,5 +1,4 @@
-//! One pass through all stages under one error model: goal, reduction, reduced path, knots, certified motion, swept
-//! motion, plan.
+//! The stages from a route to a plan under one error model: reduced path, knots, certified motion, swept motion, plan.
 
 use super::arrival::judge_arrival;
 use crate::collision::Crossing;
@@ -7,7 +6,6 @@ use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
 use crate::planner::following::route::{End, Route, straight};
-use crate::planner::following::route_selection::select_route;
 use crate::planner::lifting::certified_motion::Lifting;
 use crate::planner::lifting::lifted::Lifted;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
@@ -26,71 +24,62 @@ const PROBE_RAD: f64 = 0.1;
 /// Largest difference between goal angles of one crease group that count as the same, radians.
 const SAME_GOAL_RAD: f64 = 1e-2;
 
-/// Result of one pass.
-pub(crate) struct Pass<'a> {
-    pub(crate) plan: Plan,
-    /// The route that was found.
-    pub(crate) route: Route<'a>,
-    /// Part of the work that made the plan.
-    pub(crate) ending: Ending,
-}
-
-/// Way in which a pass ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    /// The plan follows the route, or there is none to follow.
-    Route,
-    /// The plan follows the route, but faces cross on it although it reaches the goal, or it ends before the goal:
-    /// folding in sequence may lead on.
-    Obstructed,
-    /// The plan leaves the route, and takes the sheet straight to the goal.
-    StraightDeforming,
-}
-
-/// Runs all stages. The motion between knots is certified for `bound_fraction` of the bound at first. Returns `None` if
-/// the error model changes nothing of this sheet, or allows no path.
-pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
-    let mut route = select_route(problem)?;
+/// Leads along a route as far as that goes. The motion between knots is certified for `bound_fraction` of the bound at
+/// first. Returns `true` with the plan if faces cross on it although the route reaches the goal, or if it ends before the
+/// goal: folding in phases may lead on.
+pub(crate) fn follow(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    bound_fraction: f64,
+) -> (Plan, bool) {
     let mut arrival = Arrival::default();
     if let Some(last) = route.waypoints.last() {
         arrival.error = route.reduction.distance(&last.angles, problem.goal);
     }
-    let mut notes = core::mem::take(&mut route.notes);
-    notes.extend(rough_groups(&route.reduction));
     let has_way = !route.waypoints.is_empty();
-    let (mut lifted, ending) = match route.end {
+    let mut is_obstructed = false;
+    let lifted = match route.end {
         End::Reached if has_way => {
             let start = Instant::now();
-            arrival.goal_closure = goal_closure(problem, &route);
-            notes.extend(moved_goal(problem, arrival));
-            route.symmetry += start.elapsed();
-            along_route(problem, &route, None, arrival.goal_closure, bound_fraction)
+            arrival.goal_closure = goal_closure(problem, route);
+            let time = start.elapsed();
+            let moved = moved_goal(problem, arrival);
+            let mut lifted = lift_route(problem, route, arrival.goal_closure, bound_fraction);
+            is_obstructed = matches!(lifted.outcome, Outcome::Crossing(_) | Outcome::Partial);
+            lifted.times.symmetry += time;
+            lifted.notes.splice(0..0, moved);
+            lifted
         }
-        End::Stopped(Stop::Timeout) => (out_of_time(problem, &route), Ending::Route),
-        end => match (deform(problem, with_symmetry(&route)), end) {
-            (Some(deformed), _) => {
-                notes.extend(rough_groups(with_symmetry(&route)));
-                notes.push(Note::Deforming);
-                (deformed, Ending::StraightDeforming)
-            }
-            (None, End::Stopped(stop)) if has_way => {
-                along_route(problem, &route, Some(stop), 0.0, bound_fraction)
-            }
-            _ => (without_route(problem, &route), Ending::Route),
-        },
+        End::Stopped(Stop::Timeout) => out_of_time(problem, route),
+        End::Stopped(stop) if has_way => {
+            let mut lifted = lift_route(problem, route, 0.0, bound_fraction);
+            end_before_goal(problem, route, stop, &mut lifted);
+            is_obstructed = lifted.outcome == Outcome::Partial;
+            lifted
+        }
+        _ => without_route(problem, route),
     };
-    let reduction = match ending {
-        Ending::StraightDeforming => with_symmetry(&route),
-        Ending::Route | Ending::Obstructed => &route.reduction,
-    };
+    let plan = plan_of(problem, route, &route.reduction, arrival, lifted);
+    (plan, is_obstructed)
+}
+
+/// Makes the plan of what was found on a route under the crease groups of `reduction`.
+fn plan_of(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    reduction: &Reduction<'_>,
+    mut arrival: Arrival,
+    mut lifted: Lifted,
+) -> Plan {
     arrival.flat_creases = judge_arrival(problem, &reduction.groups, &mut lifted);
     arrival.error = lifted.goal_error.unwrap_or(arrival.error);
-    notes.append(&mut lifted.notes);
+    let notes = route.notes.iter().cloned();
+    let notes = notes.chain(rough_groups(&route.reduction));
     let mut times = lifted.times;
     times.symmetry += route.symmetry;
     times.solve += route.following;
     let memberships = reduction.groups.memberships();
-    let plan = Plan {
+    Plan {
         outcome: lifted.outcome,
         reason: lifted.reason,
         reached: lifted.reached,
@@ -110,25 +99,16 @@ pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Opt
             iterations: route.work.iterations,
             evaluations: route.work.evaluations,
             times,
+            is_random: route.is_random,
         },
         crossings: CrossingSearch {
             contact_tolerance: problem.contact,
             ..lifted.crossings
         },
-        notes,
+        notes: notes.chain(lifted.notes).collect(),
         undecided: lifted.undecided,
         attempts: Vec::new(),
-    };
-    Some(Pass {
-        plan,
-        route,
-        ending,
-    })
-}
-
-/// Returns the reduction to the crease groups that were dropped for the route, or else that of the route.
-fn with_symmetry<'r, 'a>(route: &'r Route<'a>) -> &'r Reduction<'a> {
-    route.symmetric.as_ref().unwrap_or(&route.reduction)
+    }
 }
 
 /// Returns a note if the sheet has the symmetry of its crease groups only nearly.
@@ -155,23 +135,13 @@ fn out_of_time(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
     lifted
 }
 
-/// Lifts the route to the whole sheet, as far as it leads; `stop` tells why it ends before the goal, if it does.
-fn along_route(
+/// Lifts a route to the whole sheet, to a goal with this closure residual.
+fn lift_route(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
-    stop: Option<Stop>,
     goal_closure: f64,
     bound_fraction: f64,
-) -> (Lifted, Ending) {
-    // Outcome if the motion along the route keeps the bound and is free of crossings.
-    let (outcome, reason) = match stop {
-        None => (Outcome::Planned, None),
-        Some(stop) => {
-            let crossing = goal_crossing(problem, route);
-            let outcome = crossing.map_or(Outcome::Partial, Outcome::Crossing);
-            (outcome, Some(path_stops(problem, route, stop)))
-        }
-    };
+) -> Lifted {
     let ends_earlier = goal_closure > CLOSED && !problem.errors.is_snapped();
     let (reduction, closure_tolerance) = (&route.reduction, route.closure_tolerance);
     let lifting = Lifting {
@@ -179,28 +149,31 @@ fn along_route(
         open_goal: ends_earlier.then_some(goal_closure),
         ..Lifting::new(problem, reduction, &route.waypoints, closure_tolerance)
     };
-    let mut lifted = lift(&lifting, bound_fraction);
-    let crossed = matches!(lifted.outcome, Outcome::Crossing(_));
-    match lifted.outcome {
-        Outcome::Planned => (lifted.outcome, lifted.reason) = (outcome, reason),
-        // The goal crosses, however much of the path is proved.
-        Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => lifted.outcome = outcome,
-        _ => {}
+    lift(&lifting, bound_fraction)
+}
+
+/// Stores in a motion along a route that ends before the goal why the route does, and whether faces cross at the goal.
+fn end_before_goal(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    stop: Stop,
+    lifted: &mut Lifted,
+) {
+    if lifted.outcome == Outcome::Planned {
+        lifted.outcome = Outcome::Partial;
+        lifted.reason = Some(path_stops(problem, route, stop));
     }
-    let obstructed = crossed && outcome == Outcome::Planned || lifted.outcome == Outcome::Partial;
-    if !crossed && let Outcome::Crossing(Crossing { faces, .. }) = lifted.outcome {
+    // The goal crosses, however much of the path is proved.
+    if lifted.outcome == Outcome::Partial
+        && let Some(crossing) = goal_crossing(problem, route)
+    {
+        lifted.outcome = Outcome::Crossing(crossing);
         let goal_crosses = |reason| Reason::GoalCrosses {
-            faces,
+            faces: crossing.faces,
             path: Box::new(reason),
         };
-        lifted.reason = lifted.reason.map(goal_crosses);
+        lifted.reason = lifted.reason.take().map(goal_crosses);
     }
-    let ending = if obstructed {
-        Ending::Obstructed
-    } else {
-        Ending::Route
-    };
-    (lifted, ending)
 }
 
 /// Returns how far the goal as asked is from closing. Free hinges take the angles at which the sheet closes.
@@ -299,14 +272,15 @@ fn members(pattern: &CreasePattern, reduction: &Reduction<'_>, group: usize) -> 
     members.map(|(_, &edge)| edge).collect()
 }
 
-/// Lifts a path on which the sheet deforms within the bound, as it does not fold rigidly.
+/// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly along a route.
 ///
 /// The essential crease pattern is taken straight to the goal. If it keeps the bound, the path is lifted to the whole
 /// sheet: either the whole sheet keeps the bound too, or it is not rigidly foldable this way (Prop. 5.1 of the report).
 /// Returns `None` if the essential pattern already breaks the bound, or the goal does not have the symmetry of the
 /// crease groups.
-fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>) -> Option<Lifted> {
+pub(crate) fn deform(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Plan> {
     let options = problem.options;
+    let reduction = route.symmetric.as_ref().unwrap_or(&route.reduction);
     let asked = reduction.groups.reduce(&problem.goal.fold_angles);
     let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
     let error = reduction.distance(&goal, problem.goal);
@@ -325,6 +299,11 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>) -> Option<Li
     }
     let lifting = Lifting::new(problem, reduction, &waypoints, options.bound);
     let mut lifted = lift(&lifting, FIRST_BOUND_FRACTION);
-    lifted.goal_error.get_or_insert(error);
-    Some(lifted)
+    let notes = rough_groups(reduction).into_iter();
+    lifted.notes.splice(0..0, notes.chain([Note::Deforming]));
+    let arrival = Arrival {
+        error,
+        ..Arrival::default()
+    };
+    Some(plan_of(problem, route, reduction, arrival, lifted))
 }

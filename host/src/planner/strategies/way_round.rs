@@ -4,21 +4,19 @@
 //! other, and the next path leads by way of that configuration. The direction is the infinitesimal motion of the closed
 //! sheet nearest to the gradient of the two faces' distance.
 
-use super::fold_sequence::{between, is_free, plan_via};
+use super::stops::{StopSearch, between, is_free, search_stops};
 use crate::collision::face_distance;
 use crate::folding::FoldingMap;
 use crate::pattern::FaceId;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
-use crate::planner::plan::{Effort, Outcome, Plan};
+use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 use crate::planner::vectors::{dot, max_norm};
 use crate::symmetry::CreaseGroups;
 
-/// Largest number of configurations by way of which a path is led.
-const MAX_STOPS: usize = 12;
 /// Part of the whole path by which the path has to become longer with each of these configurations.
 const MIN_GAIN_RATIO: f64 = 0.02;
 /// Distances to which faces that would cross are moved apart, median edges, tried one after the other: others may cross
@@ -36,21 +34,49 @@ const PROBE_RAD: f64 = 1e-5;
 
 /// Returns a plan that leads round the crossing of `straight`, and others that follow, if one is found.
 pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Plan) -> Option<Plan> {
-    let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
-    let mut stops: Vec<Vec<f64>> = Vec::new();
-    let mut pairs = Vec::new();
-    let mut effort = Effort::default();
-    let mut plan = straight.clone();
-    let mut reached = plan.reached;
-    while stops.len() < MAX_STOPS && !problem.is_late() {
-        let Outcome::Crossing(crossing) = plan.outcome else {
+    let mut way = WayRound {
+        problem,
+        reduction: &Reduction::of(problem, CreaseGroups::trivial(problem.pattern)),
+        stops: Vec::new(),
+        pairs: Vec::new(),
+        last: straight.clone(),
+        gains: true,
+    };
+    let mut plan = search_stops(problem, &mut way)?;
+    plan.notes.push(Note::Phases(way.stops.len() + 1));
+    Some(plan)
+}
+
+/// A way that gets another stop wherever faces cross on it.
+struct WayRound<'a> {
+    problem: &'a PlanningProblem<'a>,
+    reduction: &'a Reduction<'a>,
+    /// Fold angles of the creases at the stops, radians.
+    stops: Vec<Vec<f64>>,
+    /// Faces that crossed.
+    pairs: Vec<[FaceId; 2]>,
+    /// The plan by way of these stops.
+    last: Plan,
+    /// `true` if the last stop has made the way to the crossing longer.
+    gains: bool,
+}
+
+impl StopSearch for WayRound<'_> {
+    const MAX_TRIES: usize = 12;
+    const BOUND_FRACTION: f64 = FIRST_BOUND_FRACTION;
+
+    fn next(&mut self) -> Option<Vec<Vec<f64>>> {
+        let Outcome::Crossing(crossing) = self.last.outcome else {
             return None;
         };
-        if !pairs.contains(&crossing.faces) {
-            pairs.push(crossing.faces);
+        if !self.gains {
+            return None;
         }
-        let phase = plan.ended_phases().min(stops.len());
-        let motion = plan.motion.as_ref()?;
+        if !self.pairs.contains(&crossing.faces) {
+            self.pairs.push(crossing.faces);
+        }
+        let phase = self.last.ended_phases().min(self.stops.len());
+        let motion = self.last.motion.as_ref()?;
         let last = motion.knots.len() - 1;
         let [end, before] = [last, last.checked_sub(1)?].map(|knot| motion.crease_angles(knot));
         let along: Vec<f64> = end
@@ -61,21 +87,15 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
         let at = [end.as_slice(), along.as_slice()];
         let mut apart = CLEARANCES_EDGES
             .iter()
-            .map(|&clear| moved_apart(problem, &reduction, at, &pairs, clear));
-        stops.insert(phase, apart.find_map(|found| found)?);
-        plan = plan_via(problem, &stops, FIRST_BOUND_FRACTION);
-        if plan.outcome == Outcome::Planned {
-            plan.effort += effort;
-            plan.notes.push(Note::Phases(stops.len() + 1));
-            return Some(plan);
-        }
-        effort += plan.effort;
-        if plan.reached < reached + MIN_GAIN_RATIO {
-            return None;
-        }
-        reached = plan.reached;
+            .map(|&clear| moved_apart(self.problem, self.reduction, at, &self.pairs, clear));
+        self.stops.insert(phase, apart.find_map(|found| found)?);
+        Some(self.stops.clone())
     }
-    None
+
+    fn learn(&mut self, plan: &Plan) {
+        self.gains = plan.reached >= self.last.reached + MIN_GAIN_RATIO;
+        self.last = plan.clone();
+    }
 }
 
 /// Returns a closed configuration near `angles`, fold angles of the creases in radians, at which each pair of faces is
