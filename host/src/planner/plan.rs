@@ -3,7 +3,7 @@
 use core::ops::AddAssign;
 use core::time::Duration;
 
-use super::reason::{Note, Reason, TimeoutAt, Undecided};
+use super::reason::{Note, Reason, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion, PLANNED};
@@ -264,25 +264,6 @@ impl Attempt {
             outcome: plan.outcome,
             reason: plan.reason.clone(),
             seconds: start.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-/// Reason why a stage does not lead on, with the outcome of the plan that ends there.
-pub(super) struct Failure {
-    pub(super) outcome: Outcome,
-    pub(super) reason: Reason,
-    /// Fraction of the way so far that remains.
-    pub(super) kept: f64,
-}
-
-impl Failure {
-    /// Makes the failure of a stage during which time ran out. The way that was found by then remains.
-    pub(super) fn out_of_time(at: TimeoutAt) -> Self {
-        Self {
-            outcome: Outcome::Timeout,
-            reason: Reason::OutOfTime(at),
-            kept: 1.0,
         }
     }
 }

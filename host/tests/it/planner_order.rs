@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 50] = [
+const ORDER: [&str; 52] = [
     "vectors",
     "goal",
     "knots",
@@ -24,6 +24,7 @@ const ORDER: [&str; 50] = [
     "following/branch",
     "following/judge",
     "following/mobility",
+    "following/legs",
     "following/route",
     "following/route_selection",
     "foldability/interior_point",
@@ -37,6 +38,7 @@ const ORDER: [&str; 50] = [
     "placement/timing",
     "placement/reduced_path",
     "placement/segment",
+    "placement/knot_placer",
     "placement/knot_placement",
     "lifting/lifted",
     "lifting/certified_motion",

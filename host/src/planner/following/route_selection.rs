@@ -1,13 +1,11 @@
 //! Chooses the crease groups and the route on them: symmetry is a shortcut, and a path that is not found with it is
 //! looked for without it.
 
-use core::time::Duration;
-
 use super::follow::Waypoint;
 use super::reduction::{CLOSED, Reduction, SAME_RAD};
 use super::route::{End, Route};
 use crate::planner::Symmetry;
-use crate::planner::closing::solver::Work;
+use crate::planner::plan::Effort;
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
@@ -39,9 +37,8 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
         closure_of(pattern, &goal.fold_angles)
     };
     let exact = asked_closure.is_some_and(|closure| closure <= CLOSED);
-    let mut symmetry = start.elapsed();
-    let mut following = Duration::ZERO;
-    let mut work = Work::default();
+    let mut effort = Effort::default();
+    effort.times.symmetry = start.elapsed();
     let mut notes = Vec::new();
     let mut best: Option<Route<'_>> = None;
     let mut symmetric: Option<Reduction<'_>> = None;
@@ -57,12 +54,10 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
             goal.reach
         };
         let reduction = Reduction::of(problem, groups);
-        symmetry += start.elapsed();
+        effort.times.symmetry += start.elapsed();
         problem.watch.begin(Stage::Following);
         let route = Route::find(problem, reduction, reach, exactly);
-        symmetry += route.symmetry;
-        following += route.following;
-        work += route.work;
+        effort += route.effort;
         let dropped = match best.take() {
             Some(before) if before.rank() + FARTHER_RATIO >= route.rank() => {
                 best = Some(before);
@@ -89,11 +84,10 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     }
     let mut route = best?;
     notes.append(&mut route.notes);
+    effort.is_random = route.effort.is_random;
     Some(Route {
         notes,
-        symmetry,
-        following,
-        work,
+        effort,
         symmetric,
         asked_closure,
         ..route
@@ -121,7 +115,7 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<R
         return None;
     }
     route.notes.push(Note::Snapped { turned });
-    route.symmetry += symmetry;
+    route.effort.times.symmetry += symmetry;
     Some(route)
 }
 

@@ -1,22 +1,19 @@
 //! From the reduced path to a certified motion: places knots on the path, and bounds deformation and gap of the whole
 //! sheet between them.
 
-use core::time::Duration;
-
 use foldpath_core::Curve;
 
 use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::knots::KnotSequence;
-use crate::planner::placement::knot_placement::{PlacementConstraints, SheetBounds, place};
+use crate::planner::placement::knot_placement::place;
+use crate::planner::placement::knot_placer::{PlacementConstraints, SheetBounds};
 use crate::planner::placement::reduced_path::ReducedPath;
-use crate::planner::plan::{Certificate, Failure, Outcome};
+use crate::planner::plan::Certificate;
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::Reason;
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
-use crate::util::clock::Instant;
 use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.
@@ -36,8 +33,6 @@ pub(crate) struct Placement {
     pub(crate) knots: Option<KnotSequence>,
     /// Bounds on the motion with these knots; without knots, those on the motion that was tried last, if one was.
     pub(crate) certificate: Option<Certificate>,
-    /// Time spent.
-    pub(crate) time: Duration,
 }
 
 impl Placement {
@@ -45,7 +40,6 @@ impl Placement {
         Self {
             knots: Some(knots),
             certificate: Some(certificate),
-            time: Duration::ZERO,
         }
     }
 
@@ -103,13 +97,12 @@ impl<'a> Lifting<'a> {
 
     /// Places knots on the path, certified between them for a fraction of the bound.
     pub(crate) fn place_knots(&self, bound_fraction: f64) -> Placement {
-        let start = Instant::now();
         let (problem, reduction) = (self.problem, self.reduction);
         problem.watch.begin(Stage::Placing);
         let aim = problem.options.bound.min(CERTIFIED_DEFORMATION) * bound_fraction;
         let closure = reduction.tolerance(aim);
         let open = self.max_residual(&reduction.essential);
-        let placement = if problem.errors.is_measured() {
+        if problem.errors.is_measured() {
             self.measured(aim).unwrap_or_default()
         } else if open <= CLOSED {
             self.closed(closure).unwrap_or_default()
@@ -122,21 +115,6 @@ impl<'a> Lifting<'a> {
             } else {
                 self.nearly_closed().or_bounds_of(&closed)
             }
-        };
-        Placement {
-            time: start.elapsed(),
-            ..placement
-        }
-    }
-
-    /// Returns the failure to place knots.
-    pub(crate) fn too_many_knots(&self) -> Failure {
-        Failure {
-            outcome: Outcome::Partial,
-            reason: Reason::TooManyKnots {
-                budget: self.knot_budget(),
-            },
-            kept: 0.0,
         }
     }
 
@@ -186,7 +164,6 @@ impl<'a> Lifting<'a> {
                 return Placement {
                     certificate: Some(certificate),
                     knots: every,
-                    ..Placement::default()
                 };
             }
         }
@@ -205,7 +182,7 @@ impl<'a> Lifting<'a> {
             }
             None => Placement {
                 certificate: last,
-                ..Placement::default()
+                knots: None,
             },
         }
     }
@@ -267,7 +244,7 @@ impl<'a> Lifting<'a> {
     }
 
     /// Returns the largest number of knots of a path.
-    fn knot_budget(&self) -> usize {
+    pub(crate) fn knot_budget(&self) -> usize {
         self.problem.options.max_knots.unwrap_or(MAX_KNOTS)
     }
 

@@ -6,7 +6,7 @@ use crate::collision::Crossing;
 use crate::motion::Knot;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::knots::KnotSequence;
-use crate::planner::plan::{Certificate, CrossingSearch, Failure, Outcome, SheetErrors, Times};
+use crate::planner::plan::{Certificate, CrossingSearch, Outcome, SheetErrors, Times};
 use crate::planner::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::planner::vectors::max_difference;
 
@@ -33,13 +33,16 @@ pub(crate) struct Lifted {
 
 impl Lifted {
     /// Ends the motion, as a stage does not lead on.
-    pub(crate) fn end(&mut self, failure: Failure) {
-        if let (Reason::OutOfTime(at), false) = (&failure.reason, self.knots.knots.is_empty()) {
-            self.undecided.push(Undecided::OutOfTime(*at));
+    pub(crate) fn end(&mut self, outcome: Outcome, reason: Reason) {
+        (self.outcome, self.reason) = (outcome, Some(reason));
+    }
+
+    /// Ends the motion, as time ran out.
+    pub(crate) fn end_late(&mut self, at: TimeoutAt) {
+        if !self.knots.knots.is_empty() {
+            self.undecided.push(Undecided::OutOfTime(at));
         }
-        self.outcome = failure.outcome;
-        self.reason = Some(failure.reason);
-        self.reached *= failure.kept;
+        self.end(Outcome::Timeout, Reason::OutOfTime(at));
     }
 
     /// Ends the motion as time ran out before it was judged: it goes through the waypoints that were found, as far apart
@@ -50,7 +53,7 @@ impl Lifted {
         if waypoints.len() > 1 {
             self.knots = unmeasured(waypoints, max_speed);
         }
-        self.end(Failure::out_of_time(at));
+        self.end_late(at);
     }
 
     /// Ends the motion before a knot at which faces cross.
@@ -58,15 +61,13 @@ impl Lifted {
         let knots = &self.knots.knots;
         let last = knots.last().map_or(1.0, |last| last.time);
         let before = knot.checked_sub(1).map_or(0.0, |before| knots[before].time);
+        self.reached *= before / last;
         self.knots.truncate(knot);
-        self.end(Failure {
-            outcome: Outcome::Crossing(crossing),
-            reason: Reason::CrossesAtKnot {
-                faces: crossing.faces,
-                knot,
-            },
-            kept: before / last,
-        });
+        let faces = crossing.faces;
+        self.end(
+            Outcome::Crossing(crossing),
+            Reason::CrossesAtKnot { faces, knot },
+        );
     }
 
     /// Ends a motion that leads as far as it is proved there, if it is not proved beyond.

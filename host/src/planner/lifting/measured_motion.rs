@@ -9,7 +9,7 @@ use crate::motion::Knot;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::knots::{KnotSequence, claims, errors};
-use crate::planner::plan::{Certificate, Failure, Outcome, SheetErrors};
+use crate::planner::plan::{Certificate, SheetErrors};
 use crate::planner::reason::Reason;
 use crate::util::parallel;
 
@@ -19,22 +19,19 @@ const TIME_PER_FACE: Duration = Duration::from_nanos(500);
 /// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// Returns the failure of a sheet that breaks the bound at its knots, or is not proved to keep the bound between them.
+/// Returns the reason why a sheet breaks the bound at its knots, or is not proved to keep the bound between them, and the
+/// fraction of its motion that keeps the bound.
 pub(crate) fn torn(
     bound: f64,
     knots: &[Knot],
     found: &SheetErrors,
     certificate: Option<Certificate>,
-) -> Option<Failure> {
+) -> Option<(Reason, f64)> {
     let (whole, closure) = (found.rigidity, found.closure);
     let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);
     if within([whole.deformation, whole.gap, closure]) {
         let certified = certificate?.over(bound)?;
-        return Some(Failure {
-            outcome: Outcome::NotRigidlyFoldable,
-            reason: Reason::NotCertified { certified, bound },
-            kept: 0.0,
-        });
+        return Some((Reason::NotCertified { certified, bound }, 0.0));
     }
     let holds = |knot: &&Knot| {
         let errors = errors(knot);
@@ -47,16 +44,14 @@ pub(crate) fn torn(
         (Some(_), Some(_)) => 0.0,
         _ => 1.0,
     };
-    Some(Failure {
-        outcome: Outcome::NotRigidlyFoldable,
-        reason: Reason::Deforms {
-            whole,
-            closure,
-            essential: found.essential_rigidity,
-            bound,
-        },
-        kept,
-    })
+    let essential = found.essential_rigidity;
+    let reason = Reason::Deforms {
+        whole,
+        closure,
+        essential,
+        bound,
+    };
+    Some((reason, kept))
 }
 
 impl Lifting<'_> {
@@ -102,9 +97,9 @@ impl Lifting<'_> {
         })
     }
 
-    /// Returns the failure of a sheet that breaks the bound when it is folded from its rim. From there, errors of vertices
+    /// Returns the reason why a sheet breaks the bound when it is folded from its rim. From there, errors of vertices
     /// that do not close add up over a longer way. `closure` is the largest closure residual at the knots.
-    pub(crate) fn torn_from_rim(&self, knots: &KnotSequence, closure: f64) -> Option<Failure> {
+    pub(crate) fn torn_from_rim(&self, knots: &KnotSequence, closure: f64) -> Option<Reason> {
         if closure <= CLOSED {
             return None;
         }
@@ -121,10 +116,6 @@ impl Lifting<'_> {
         });
         let bound = self.problem.options.bound;
         let holds = rigidity.deformation <= bound && rigidity.gap <= bound;
-        (!holds).then_some(Failure {
-            outcome: Outcome::NotRigidlyFoldable,
-            reason: Reason::DeformsFromRim { rigidity, bound },
-            kept: 0.0,
-        })
+        (!holds).then_some(Reason::DeformsFromRim { rigidity, bound })
     }
 }

@@ -7,7 +7,7 @@ use super::lifted::Lifted;
 use super::measured_motion::torn;
 use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Recourse, Swept, Trial};
 use crate::collision::Crossing;
-use crate::planner::plan::{Failure, Outcome};
+use crate::planner::plan::Outcome;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
@@ -83,6 +83,7 @@ impl Lifting<'_> {
     /// Places the motion for a fraction of the bound, certifies it and measures it. The first one counts the closure
     /// residuals of a longer motion as well.
     fn trial(&self, bound_fraction: f64, is_first: bool) -> Trial {
+        let start = Instant::now();
         let placement = self.place_knots(bound_fraction);
         let mut trial = Trial {
             lifted: Lifted {
@@ -97,7 +98,7 @@ impl Lifting<'_> {
                 None => Recourse::GoNearer(bound_fraction),
             },
         };
-        trial.lifted.times.place = placement.time;
+        trial.lifted.times.place = start.elapsed();
         if let Some(knots) = placement.knots {
             trial.lifted.knots = knots;
             let min_closure = if is_first { self.min_closure } else { 0.0 };
@@ -105,7 +106,9 @@ impl Lifting<'_> {
         } else if self.problem.is_late() {
             self.end_unjudged(&mut trial.lifted, TimeoutAt::PlacingKnots);
         } else {
-            trial.lifted.end(self.too_many_knots());
+            let budget = self.knot_budget();
+            trial.lifted.reached = 0.0;
+            (trial.lifted).end(Outcome::Partial, Reason::TooManyKnots { budget });
         }
         trial
     }
@@ -124,10 +127,11 @@ impl Lifting<'_> {
             Ok(errors) => {
                 lifted.errors = errors;
                 let (bound, knots) = (self.problem.options.bound, &lifted.knots);
-                let failure = torn(bound, &knots.knots, &errors, lifted.certificate)
-                    .or_else(|| self.torn_from_rim(knots, errors.closure));
-                if let Some(failure) = failure {
-                    lifted.end(failure);
+                let torn = torn(bound, &knots.knots, &errors, lifted.certificate)
+                    .or_else(|| Some((self.torn_from_rim(knots, errors.closure)?, 0.0)));
+                if let Some((reason, kept)) = torn {
+                    lifted.reached *= kept;
+                    lifted.end(Outcome::NotRigidlyFoldable, reason);
                 }
             }
             Err(knot) => self.end_unjudged(lifted, TimeoutAt::JudgingKnot(knot)),
@@ -166,24 +170,17 @@ impl Lifting<'_> {
         match swept {
             Swept::Free(clearance) => lifted.crossings.clearance = clearance,
             Swept::Undecided(question) => lifted.undecided.push(question),
-            Swept::Late(at) => lifted.end(Failure::out_of_time(at)),
+            Swept::Late(at) => lifted.end_late(at),
             Swept::CrossesAtKnot(crossing, knot) => lifted.end_before_knot(crossing, knot),
             Swept::Crosses(crossed) | Swept::TooFar(Some(crossed)) => {
                 let free = crossed.free.as_deref();
                 lifted.reached = self.reached * free.map_or(0.0, |free| self.path.fraction(free));
                 lifted.knots.truncate(crossed.segment + 1);
-                lifted.end(Failure {
-                    outcome: Outcome::Crossing(crossed.crossing),
-                    reason: self.crosses(&crossed, free),
-                    kept: 1.0,
-                });
+                let reason = self.crosses(&crossed, free);
+                lifted.end(Outcome::Crossing(crossed.crossing), reason);
                 before = Some(crossed);
             }
-            Swept::TooFar(None) => lifted.end(Failure {
-                outcome: Outcome::Partial,
-                reason: Reason::NothingNearer,
-                kept: 1.0,
-            }),
+            Swept::TooFar(None) => lifted.end(Outcome::Partial, Reason::NothingNearer),
         }
         lifted.stop_at(trial.proof_stops);
         (lifted, before)

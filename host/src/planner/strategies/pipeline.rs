@@ -4,15 +4,14 @@ use super::arrival::judge_arrival;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
+use crate::planner::following::legs::straight;
 use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
-use crate::planner::following::route::{End, Route, straight};
+use crate::planner::following::route::{End, Route};
 use crate::planner::lifting::certified_motion::Lifting;
 use crate::planner::lifting::lifted::Lifted;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::lifting::whole_sheet::lift;
-use crate::planner::plan::{
-    Arrival, CrossingSearch, Effort, Failure, Outcome, Plan, ReducedProblem,
-};
+use crate::planner::plan::{Arrival, CrossingSearch, Outcome, Plan, ReducedProblem};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
@@ -75,9 +74,8 @@ fn plan_of(
     arrival.error = lifted.goal_error.unwrap_or(arrival.error);
     let notes = route.notes.iter().cloned();
     let notes = notes.chain(rough_groups(&route.reduction));
-    let mut times = lifted.times;
-    times.symmetry += route.symmetry;
-    times.solve += route.following;
+    let mut effort = route.effort;
+    effort.times += lifted.times;
     let memberships = reduction.groups.memberships();
     Plan {
         outcome: lifted.outcome,
@@ -95,12 +93,7 @@ fn plan_of(
         errors: lifted.errors,
         certificate: lifted.certificate,
         arrival,
-        effort: Effort {
-            iterations: route.work.iterations,
-            evaluations: route.work.evaluations,
-            times,
-            is_random: route.is_random,
-        },
+        effort,
         crossings: CrossingSearch {
             contact_tolerance: problem.contact,
             ..lifted.crossings
@@ -207,7 +200,7 @@ fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Cro
 fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
     let mut lifted = Lifted::default();
     if problem.is_late() {
-        lifted.end(Failure::out_of_time(TimeoutAt::ClosingGoal));
+        lifted.end_late(TimeoutAt::ClosingGoal);
         return lifted;
     }
     let End::NotClosed { phase, nearest } = route.end else {
@@ -222,15 +215,12 @@ fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
     let asked = route.reduction.groups.reduce(&asked.collect::<Vec<_>>());
     let asked: Vec<f64> = asked.into_iter().flatten().collect();
     let worst = route.reduction.worst(problem.pattern, &asked);
-    lifted.end(Failure {
-        outcome: Outcome::GoalNotClosed,
-        reason: Reason::GoalNotClosed {
-            goal: goal.source.clone(),
-            nearest,
-            worst: worst.filter(|worst| worst.residual > CLOSED),
-        },
-        kept: 1.0,
-    });
+    let reason = Reason::GoalNotClosed {
+        goal: goal.source.clone(),
+        nearest,
+        worst: worst.filter(|worst| worst.residual > CLOSED),
+    };
+    lifted.end(Outcome::GoalNotClosed, reason);
     lifted
 }
 
