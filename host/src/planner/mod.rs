@@ -51,8 +51,8 @@
 //! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < rows, stops < phases < fold_sequence, split_phases, way_round,
-//! bending, lines < driver)
+//! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,
+//! lines < driver)
 //! ```
 
 mod closing;

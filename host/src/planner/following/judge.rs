@@ -7,6 +7,7 @@ use crate::collision::{CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Knot;
 use crate::pattern::{CreaseId, CreasePattern};
+use crate::planner::PlanOptions;
 use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
 
@@ -45,6 +46,12 @@ impl<'a> Judge<'a> {
             twist: closure.max(rigidity.twist),
             ..rigidity
         }
+    }
+
+    /// Returns `true` if the sheet closes at these fold angles of the creases (radians), and no faces cross.
+    pub(crate) fn is_free(&mut self, creases: &[f64], options: &PlanOptions) -> bool {
+        let errors = self.errors_at(&self.reduction.groups.reduce_all(creases));
+        self.crossing().is_none() && errors.twist <= self.reduction.closure_tolerance(options)
     }
 
     /// Returns the positions of the vertices as the sheet was folded last.

@@ -180,7 +180,8 @@ impl Lifting<'_> {
                 lifted.end(Outcome::Crossing(crossed.crossing), reason);
                 before = Some(crossed);
             }
-            Swept::TooFar(None) => lifted.end(Outcome::Partial, Reason::NothingNearer),
+            // The motion decides nothing that the one before does not.
+            Swept::TooFar(None) => lifted.outcome = Outcome::Partial,
         }
         lifted.stop_at(trial.proof_stops);
         (lifted, before)

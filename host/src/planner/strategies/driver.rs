@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_lines_alone, turns_more};
-use super::phases::try_phases;
 use super::pipeline::deform;
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
+use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
 use crate::collision::contact_tolerance;
 use crate::motion::PlanAnswer;
@@ -266,7 +266,7 @@ fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
 #[must_use]
 pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::default())
+    plan_watched(pattern, goal, options, &Progress::default())
 }
 
 /// Plans as [`plan`] does, and reports to `progress`. A call that is cancelled answers [`Outcome::Timeout`], as does
@@ -277,15 +277,6 @@ pub fn plan_watched(
     goal: &Goal,
     options: &PlanOptions,
     progress: &Progress,
-) -> Plan {
-    plan_until_over(pattern, goal, options, Watch::new(progress))
-}
-
-fn plan_until_over(
-    pattern: &CreasePattern,
-    goal: &Goal,
-    options: &PlanOptions,
-    watch: Watch<'_>,
 ) -> Plan {
     let deadline = options
         .timeout
@@ -298,7 +289,7 @@ fn plan_until_over(
         goes_near: false,
         goes_straight: false,
         contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
-        watch: watch.until(deadline),
+        watch: Watch::new(progress).until(deadline),
     };
     let mut attempts = Vec::new();
     let context = Context {

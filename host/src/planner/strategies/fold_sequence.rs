@@ -8,8 +8,7 @@ use fixedbitset::FixedBitSet;
 
 use super::simple_folds::simple_folds;
 use super::stops::{
-    StopSearch, angles, between, is_free, plan_via, search_stops, set, stops_of, turned_creases,
-    union,
+    StopSearch, angles, between, plan_via, search_stops, set, stops_of, turned_creases, union,
 };
 use crate::folding::{FoldingMap, SpanningTree};
 use crate::planner::following::judge::Judge;
@@ -37,7 +36,7 @@ pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
 }
 
 /// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads to
-/// `goal` and no faces cross; with as few stops as it takes. `goal` is that of [`try_phases`](super::phases::try_phases).
+/// `goal` and no faces cross; with as few stops as it takes. `goal` is that of [`try_phases`](super::stops::try_phases).
 ///
 /// Sequences are found depth first. If a part cannot be next because two faces cross, it is not tried again in any
 /// sequence that has folded the creases between these two faces in the same order: those creases alone determine where
@@ -54,9 +53,7 @@ pub(crate) fn fold_in_sequence(
     let mut orders = Orders {
         problem,
         judge: Judge::new(problem, &reduction, options.collision),
-        closure_tolerance: reduction.closure_tolerance(options),
         tree: &reduction.tree,
-        groups: &reduction.groups,
         in_the_way: vec![0; goal.len()],
         parts: parts(problem, route, &goal).unwrap_or_default(),
         goal,
@@ -161,9 +158,6 @@ struct Orders<'a> {
     problem: &'a PlanningProblem<'a>,
     judge: Judge<'a>,
     tree: &'a SpanningTree,
-    /// Closure residual up to which a configuration counts as closed.
-    closure_tolerance: f64,
-    groups: &'a CreaseGroups,
     /// Fold angles of the creases when all are folded, radians.
     goal: Vec<f64>,
     /// The creases that turn.
@@ -222,13 +216,7 @@ impl Orders<'_> {
             return free;
         }
         let angles = angles(&self.goal, folded);
-        let free = self.free.len() < MAX_SETS
-            && is_free(
-                &mut self.judge,
-                self.groups,
-                &angles,
-                self.closure_tolerance,
-            );
+        let free = self.free.len() < MAX_SETS && self.judge.is_free(&angles, self.problem.options);
         self.free.insert(folded.clone(), free);
         free
     }

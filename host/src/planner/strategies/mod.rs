@@ -7,7 +7,6 @@ pub(super) mod bending;
 pub(super) mod driver;
 pub(super) mod fold_sequence;
 pub(super) mod lines;
-mod phases;
 pub(super) mod pipeline;
 mod rows;
 pub(super) mod simple_folds;

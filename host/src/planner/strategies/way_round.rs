@@ -4,7 +4,7 @@
 //! other, and the next path leads by way of that configuration. The direction is the infinitesimal motion of the closed
 //! sheet nearest to the gradient of the two faces' distance.
 
-use super::stops::{StopSearch, between, is_free, search_stops};
+use super::stops::{StopSearch, between, search_stops};
 use crate::collision::face_distance;
 use crate::folding::FoldingMap;
 use crate::pattern::FaceId;
@@ -124,8 +124,7 @@ impl WayRound<'_> {
             angles = reduction.groups.expand(&closed);
         }
         let mut judge = Judge::new(problem, reduction, options.collision);
-        let tolerance = reduction.closure_tolerance(options);
-        is_free(&mut judge, &reduction.groups, &angles, tolerance).then_some(angles)
+        judge.is_free(&angles, options).then_some(angles)
     }
 
     /// Returns the pairs that are nearer than `clear` median edges. Returns `None` if faces intersect or time is up.
