@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing, SweepCounts};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::folding::{FoldingMap, Rigidity};
 use crate::motion::Knot;
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::PlanOptions;
@@ -40,7 +40,7 @@ impl<'a> Judge<'a> {
     /// Folds the sheet by these group angles, and returns its errors; the twist is the closure residual, if that is larger.
     pub(crate) fn errors_at(&mut self, angles: &[f64]) -> Rigidity {
         self.place(angles);
-        let rigidity = self.map.rigidity(self.pattern, &self.reduction.tree);
+        let rigidity = self.map.rigidity(self.pattern, self.reduction.tree);
         let closure = self.reduction.closure_of_sheet(angles);
         Rigidity {
             twist: closure.max(rigidity.twist),
@@ -67,7 +67,7 @@ impl<'a> Judge<'a> {
 
     /// Folds the sheet by these group angles.
     fn place(&mut self, angles: &[f64]) {
-        let (tree, groups) = (&self.reduction.tree, &self.reduction.groups);
+        let (tree, groups) = (self.reduction.tree, &self.reduction.groups);
         self.map
             .fold_groups(self.pattern, tree, groups.memberships(), angles);
     }
@@ -129,7 +129,6 @@ impl<'a> Judge<'a> {
 struct Part {
     pattern: CreasePattern,
     creases: Vec<CreaseId>,
-    tree: SpanningTree,
     map: FoldingMap,
 }
 
@@ -137,7 +136,6 @@ impl Part {
     fn of(sheet: &CreasePattern, reduction: &Reduction) -> Option<Self> {
         let (pattern, creases) = essential_pattern(sheet, &reduction.all).ok()?;
         Some(Self {
-            tree: SpanningTree::from_central_face(&pattern),
             map: FoldingMap::flat(&pattern),
             pattern,
             creases,
@@ -151,10 +149,10 @@ impl Part {
             membership.apply(angles[membership.group.index()])
         };
         let angles: Vec<f64> = self.creases.iter().map(angle).collect();
-        self.map.fold(&self.pattern, &self.tree, &angles);
+        self.map.fold(&self.pattern, self.pattern.tree(), &angles);
     }
 
     fn rigidity(&self) -> Rigidity {
-        self.map.rigidity(&self.pattern, &self.tree)
+        self.map.rigidity(&self.pattern, self.pattern.tree())
     }
 }

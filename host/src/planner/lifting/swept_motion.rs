@@ -262,7 +262,7 @@ impl<'a> Lifting<'a> {
     /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
     /// whether layers that move together pass through each other is then hard to tell.
     fn tears_hide_contact(&self, trial: &Trial) -> bool {
-        let (pattern, tree) = (self.problem.pattern, &self.reduction.tree);
+        let (pattern, tree) = (self.problem.pattern, self.reduction.tree);
         let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
         let angles = trial.knots().iter().flat_map(|knot| &knot.angles);
         let touches = angles.copied().any(|angle| angle.abs() >= flat);

@@ -10,7 +10,7 @@ use super::simple_folds::simple_folds;
 use super::stops::{
     StopSearch, angles, between, plan_via, search_stops, set, stops_of, turned_creases, union,
 };
-use crate::folding::{FoldingMap, SpanningTree};
+use crate::folding::FoldingMap;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::mobility::independent_parts;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -53,7 +53,6 @@ pub(crate) fn fold_in_sequence(
     let mut orders = Orders {
         problem,
         judge: Judge::new(problem, &reduction, options.collision),
-        tree: &reduction.tree,
         in_the_way: vec![0; goal.len()],
         parts: parts(problem, route, &goal).unwrap_or_default(),
         goal,
@@ -157,7 +156,6 @@ struct Barred {
 struct Orders<'a> {
     problem: &'a PlanningProblem<'a>,
     judge: Judge<'a>,
-    tree: &'a SpanningTree,
     /// Fold angles of the creases when all are folded, radians.
     goal: Vec<f64>,
     /// The creases that turn.
@@ -195,7 +193,7 @@ impl StopSearch for Orders<'_> {
     fn learn(&mut self, plan: &Plan) {
         let next = plan.ended_phases().min(self.order.len() - 1);
         let between = match plan.outcome {
-            Outcome::Crossing(crossing) => between(self.tree, &self.goal, crossing.faces),
+            Outcome::Crossing(crossing) => between(self.problem.pattern, crossing.faces),
             _ => self.all.clone(),
         };
         let before: Vec<_> = of_those(&self.order[..next], &between).collect();
@@ -227,12 +225,13 @@ impl Orders<'_> {
         if let Some(moves) = self.moves.get(folded) {
             return moves.clone();
         }
-        let map = FoldingMap::new(self.problem.pattern, self.tree, &angles(&self.goal, folded));
+        let pattern = self.problem.pattern;
+        let map = FoldingMap::new(pattern, pattern.tree(), &angles(&self.goal, folded));
         let mut turns = vec![0.0; self.goal.len()];
         for crease in self.all.difference(folded) {
             turns[crease] = self.goal[crease];
         }
-        let folds = simple_folds(self.problem.pattern, map.vertices(), &turns);
+        let folds = simple_folds(pattern, map.vertices(), &turns);
         let rest = self
             .parts
             .iter()

@@ -10,7 +10,7 @@ use std::collections::{BinaryHeap, HashSet};
 use fixedbitset::FixedBitSet;
 
 use super::stops::{StopSearch, between, search_stops, stops_of, turned_creases};
-use crate::folding::SpanningTree;
+use crate::pattern::CreasePattern;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
@@ -38,7 +38,7 @@ struct Candidate {
 struct Candidates<'a> {
     /// Fold angle of each crease at the goal, radians.
     goal: &'a [f64],
-    tree: SpanningTree,
+    pattern: &'a CreasePattern,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
     /// The phases that are tried.
@@ -65,7 +65,7 @@ pub(crate) fn fold_in_split_phases(
     let all = vec![turned_creases(goal)];
     let mut candidates = Candidates {
         goal,
-        tree: SpanningTree::from_central_face(problem.pattern),
+        pattern: problem.pattern,
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
         tried: all,
@@ -92,7 +92,7 @@ impl StopSearch for Candidates<'_> {
         };
         let phases = &self.tried;
         let phase = plan.ended_phases().min(phases.len() - 1);
-        let between = between(&self.tree, self.goal, crossing.faces);
+        let between = between(self.pattern, crossing.faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {

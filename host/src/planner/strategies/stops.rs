@@ -5,8 +5,7 @@ use fixedbitset::FixedBitSet;
 
 use super::pipeline::follow;
 use super::rows::Context;
-use crate::folding::SpanningTree;
-use crate::pattern::FaceId;
+use crate::pattern::{CreasePattern, FaceId};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction, snapping_angle};
 use crate::planner::following::route::{End, Route};
@@ -152,9 +151,10 @@ pub(super) fn angles(goal: &[f64], folded: &FixedBitSet) -> Vec<f64> {
 }
 
 /// Returns the creases on the way from one face to another along a spanning tree.
-pub(super) fn between<T>(tree: &SpanningTree, all: &[T], faces: [FaceId; 2]) -> FixedBitSet {
+pub(super) fn between(pattern: &CreasePattern, faces: [FaceId; 2]) -> FixedBitSet {
+    let (steps, all) = (pattern.tree().steps(), pattern.creases());
     let [a, b] = faces.map(|face| {
-        let step = |face: FaceId| tree.steps().iter().find(|step| step.face == face);
+        let step = |face: FaceId| steps.iter().find(|step| step.face == face);
         let way = core::iter::successors(step(face), |at| step(at.parent));
         let creases = way.filter_map(|step| step.crease);
         set(all, creases.map(|crease| crease.index()))

@@ -132,7 +132,7 @@ impl WayRound<'_> {
         let (pattern, reduction) = (self.problem.pattern, self.reduction);
         let clear = clear * pattern.median_edge();
         let mut distance = |angles: &[f64], faces| {
-            map.fold(pattern, &reduction.tree, angles);
+            map.fold(pattern, reduction.tree, angles);
             face_distance(pattern, map, faces)
         };
         let mut near = Vec::new();
@@ -142,7 +142,7 @@ impl WayRound<'_> {
                 continue;
             }
             let mut slopes = vec![0.0; angles.len()];
-            for crease in between(&reduction.tree, angles, faces).ones() {
+            for crease in between(pattern, faces).ones() {
                 let mut turned = angles.to_vec();
                 turned[crease] += PROBE_RAD;
                 slopes[crease] = (distance(&turned, faces) - before) / PROBE_RAD;
