@@ -111,7 +111,9 @@ pub fn judge(
         };
         // Folded along another spanning tree the sheet may gape by the certified bound, or by the difference between
         // two trees.
-        let most = shape.apart().max(plan.certified_deformation().unwrap_or(0.0));
+        let most = shape
+            .apart()
+            .max(plan.certified_deformation().unwrap_or(0.0));
         let torn = |value: f64| admitted((other_tree * value).max(most));
         limit("closure", left, admitted(plan.errors.closure));
         limit("gap", sheet.gap(&poses), torn(plan.errors.rigidity.gap));

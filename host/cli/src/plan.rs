@@ -191,7 +191,9 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
     if plan.errors.essential_faces > 0 {
         text += &format!(
             "  essential    {} faces, deformation {:.1e}, gap {:.1e}\n",
-            plan.errors.essential_faces, plan.errors.essential_rigidity.deformation, plan.errors.essential_rigidity.gap,
+            plan.errors.essential_faces,
+            plan.errors.essential_rigidity.deformation,
+            plan.errors.essential_rigidity.gap,
         );
     }
     text += &match job.request.collision {

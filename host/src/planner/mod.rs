@@ -19,7 +19,7 @@
 //! KnotSequence
 //!   | certify                bounds between knots                     lifting/certified_motion.rs
 //!   | measure                the whole sheet folded at the knots      lifting/measured_motion.rs
-//! Trial
+//! Lifted
 //!   | sweep                  crossings over the whole motion          lifting/swept_motion.rs
 //! Swept
 //!   | lift                   goes nearer, ends earlier, or ends       lifting/whole_sheet.rs

@@ -15,7 +15,11 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
         let more = large.effort.iterations.abs_diff(small.effort.iterations);
         assert!(more <= 1, "{name}: {} iterations", large.effort.iterations);
         let more = large.effort.evaluations.abs_diff(small.effort.evaluations);
-        assert!(more <= 2, "{name}: {} evaluations", large.effort.evaluations);
+        assert!(
+            more <= 2,
+            "{name}: {} evaluations",
+            large.effort.evaluations
+        );
         assert_eq!(large.knots().len(), small.knots().len(), "{name}");
         let knots = large.knots().iter().zip(small.knots());
         let angles = knots.flat_map(|(large, small)| large.angles.iter().zip(&small.angles));

@@ -44,14 +44,21 @@ fn rounding_keeps_the_groups_and_costs_its_own_size() {
         for unit in [1e-14, 1e-12, 1e-10, 1e-8] {
             let file = rounded(name, unit).unwrap();
             let plan = Planned::of(file, &PlanOptions::default()).plan;
-            let what = format!("{name} {unit:e}: {:?} {:?}", plan.reason, plan.errors.rigidity);
+            let what = format!(
+                "{name} {unit:e}: {:?} {:?}",
+                plan.reason, plan.errors.rigidity
+            );
             assert_eq!(plan.outcome, Outcome::Planned, "{what}");
             assert_eq!(plan.reduced.groups, groups, "{what}");
             // A direction is off by the unit, and the errors of 24 cells in a row add up.
             let allowed = 1e3 * unit + 1e-12;
             assert!(plan.errors.rigidity.deformation <= allowed, "{what}");
             assert!(plan.errors.rigidity.gap <= allowed, "{what}");
-            assert!(plan.arrival.error <= allowed, "{what}: {}", plan.arrival.error);
+            assert!(
+                plan.arrival.error <= allowed,
+                "{what}: {}",
+                plan.arrival.error
+            );
         }
     }
 }

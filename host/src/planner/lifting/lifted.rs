@@ -2,7 +2,7 @@
 
 use foldpath_core::Interpolation;
 
-use crate::collision::Crossing;
+use crate::collision::{Crossing, is_torn};
 use crate::motion::Knot;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::knots::KnotSequence;
@@ -29,6 +29,22 @@ pub(crate) struct Lifted {
     pub(crate) times: Times,
     pub(crate) notes: Vec<Note>,
     pub(crate) undecided: Vec<Undecided>,
+    /// Reason why the motion ends before its path does, if it is not proved beyond.
+    pub(crate) proof_stops: Option<Reason>,
+    pub(crate) recourse: Recourse,
+}
+
+/// What can be done if faces cross on a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Recourse {
+    /// Nothing: the motion ends where faces cross.
+    #[default]
+    Nothing,
+    /// The path may end a little before its goal.
+    EndEarlier,
+    /// The motion, placed for this fraction of the bound, may be placed nearer to the path: if layers touch, a motion that
+    /// is as far off the path as the bound allows may cross.
+    GoNearer(f64),
 }
 
 impl Lifted {
@@ -70,11 +86,27 @@ impl Lifted {
         );
     }
 
-    /// Ends a motion that leads as far as it is proved there, if it is not proved beyond.
+    /// Ends a motion that leads as far as another one is proved there, if that one is not proved beyond.
     pub(crate) fn stop_at(&mut self, proof_stops: Option<Reason>) {
         if self.outcome == Outcome::Planned && proof_stops.is_some() {
             (self.outcome, self.reason) = (Outcome::Partial, proof_stops);
         }
+    }
+
+    /// Returns `true` if the motion can be placed nearer to its path, for at least `least` of the bound.
+    pub(crate) fn goes_nearer(&self, least: f64) -> bool {
+        matches!(self.recourse, Recourse::GoNearer(fraction) if fraction > least)
+    }
+
+    /// Returns `true` if the sheet may be torn by more than faces may lie across each other.
+    pub(crate) fn is_torn(&self) -> bool {
+        let certified = self.certificate.map_or(0.0, |c| c.deformation);
+        is_torn(certified.max(self.errors.rigidity.gap))
+    }
+
+    /// Returns the bound on the closure residuals over the whole motion, if it is known.
+    pub(crate) fn certified_closure(&self) -> Option<f64> {
+        self.certificate?.closure
     }
 }
 

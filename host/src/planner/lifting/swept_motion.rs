@@ -2,10 +2,10 @@
 //! motion, or at the knots alone.
 
 use super::certified_motion::Lifting;
-use super::lifted::Lifted;
+use super::lifted::{Lifted, Recourse};
 use crate::collision::{
     Clearance, Crossing, Place, SearchEffort, Searched, SearchedMotion, SweepCounts, SweepOptions,
-    SweepVerdict, is_torn,
+    SweepVerdict,
 };
 use crate::lattice::Lattice;
 use crate::motion::Knot;
@@ -13,7 +13,7 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::knots::KnotSequence;
 use crate::planner::options::Skips;
-use crate::planner::reason::{Reason, TimeoutAt, Undecided};
+use crate::planner::reason::{TimeoutAt, Undecided};
 use crate::progress::Stage;
 use crate::util::clock::Instant;
 
@@ -41,26 +41,6 @@ const BLOCKING_DEPTH: f64 = 0.01;
 const HIDING_RATIO: f64 = 0.1;
 /// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
 const NEARLY_FOLDED_RAD: f64 = 1e-3;
-
-/// A motion that is placed, certified and measured, but not yet swept.
-pub(crate) struct Trial {
-    pub(crate) lifted: Lifted,
-    /// Reason why the motion ends before its path does, if it is not proved beyond.
-    pub(crate) proof_stops: Option<Reason>,
-    pub(crate) recourse: Recourse,
-}
-
-/// What can be done if faces cross on a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Recourse {
-    /// The path may end a little before its goal.
-    EndEarlier,
-    /// The motion, placed for this fraction of the bound, may be placed nearer to the path: if layers touch, a motion that
-    /// is as far off the path as the bound allows may cross.
-    GoNearer(f64),
-    /// Nothing: the motion ends where faces cross.
-    Nothing,
-}
 
 /// What the search for crossings says of a motion.
 pub(crate) enum Swept {
@@ -90,28 +70,6 @@ pub(crate) struct Crossed {
     pub(crate) earlier: Vec<Vec<f64>>,
     /// `true` if the sheet crosses at a knot, although the search over the motion found nothing.
     pub(crate) is_at_knot: bool,
-}
-
-impl Trial {
-    /// Returns `true` if the motion can be placed nearer to its path, for at least `least` of the bound.
-    fn goes_nearer(&self, least: f64) -> bool {
-        matches!(self.recourse, Recourse::GoNearer(fraction) if fraction > least)
-    }
-
-    /// Returns `true` if the sheet may be torn by more than faces may lie across each other.
-    pub(crate) fn is_torn(&self) -> bool {
-        let certified = self.lifted.certificate.map_or(0.0, |c| c.deformation);
-        is_torn(certified.max(self.lifted.errors.rigidity.gap))
-    }
-
-    /// Returns the bound on the closure residuals over the whole motion, if it is known.
-    fn closure(&self) -> Option<f64> {
-        self.lifted.certificate?.closure
-    }
-
-    fn knots(&self) -> &[Knot] {
-        &self.lifted.knots.knots
-    }
 }
 
 /// Returns the options of the search for crossings of a sheet whose closure residuals are proved to be at most `closure`
@@ -148,13 +106,13 @@ fn angles_before(knots: &KnotSequence, place: Place, room: f64) -> Vec<f64> {
 
 impl<'a> Lifting<'a> {
     /// Looks for crossings over the whole motion, if asked to. `before` is the motion that was found too far from the path.
-    pub(crate) fn sweep(&self, trial: &mut Trial, before: Option<&Trial>) -> Swept {
+    pub(crate) fn sweep(&self, lifted: &mut Lifted, before: Option<&Lifted>) -> Swept {
         if !self.problem.options.collision {
             return Swept::Free(None);
         }
-        if before.is_some_and(|before| trial.lifted.knots.moves_as(&before.lifted.knots)) {
-            if !trial.goes_nearer(LEAST_BOUND_FRACTION) {
-                trial.recourse = Recourse::Nothing;
+        if before.is_some_and(|before| lifted.knots.moves_as(&before.knots)) {
+            if !lifted.goes_nearer(LEAST_BOUND_FRACTION) {
+                lifted.recourse = Recourse::Nothing;
             }
             return Swept::TooFar(None);
         }
@@ -162,47 +120,46 @@ impl<'a> Lifting<'a> {
         let start = Instant::now();
         let lattice = self.lattice();
         let found = start.elapsed();
-        let (swept, counts) = self.sweep_with(trial, lattice);
-        let lifted = &mut trial.lifted;
+        let (swept, counts) = self.sweep_with(lifted, lattice);
         lifted.crossings.counts = counts;
         lifted.times.symmetry += found;
         lifted.times.collision += start.elapsed() - found;
         swept
     }
 
-    fn sweep_with(&self, trial: &Trial, lattice: Option<&Lattice>) -> (Swept, SweepCounts) {
+    fn sweep_with(&self, lifted: &Lifted, lattice: Option<&Lattice>) -> (Swept, SweepCounts) {
         let (problem, options) = (self.problem, self.problem.options);
-        let segments: Vec<_> = trial.lifted.knots.curves().collect();
+        let segments: Vec<_> = lifted.knots.curves().collect();
         let motion = SearchedMotion {
             pattern: problem.pattern,
             memberships: self.reduction.groups.memberships(),
             segments: &segments,
-            options: sweep_options(options.skips, trial.closure(), problem.contact),
+            options: sweep_options(options.skips, lifted.certified_closure(), problem.contact),
             watch: problem.watch,
         };
         if let Some(along) = lattice.and_then(|lattice| motion.along_lattice(lattice)) {
-            return self.answer(trial, along);
+            return self.answer(lifted, along);
         }
         let is_large = lattice.is_some() && problem.pattern.faces().len() > MAX_TORN_FACES;
-        if is_large && trial.is_torn() && trial.goes_nearer(LEAST_BOUND_FRACTION) {
+        if is_large && lifted.is_torn() && lifted.goes_nearer(LEAST_BOUND_FRACTION) {
             return (Swept::TooFar(None), SweepCounts::default());
         }
-        if !(trial.goes_nearer(NEAREST_BOUND_FRACTION) && self.tears_hide_contact(trial)) {
-            return self.answer(trial, motion.all_faces());
+        if !(lifted.goes_nearer(NEAREST_BOUND_FRACTION) && self.tears_hide_contact(lifted)) {
+            return self.answer(lifted, motion.all_faces());
         }
         let first = motion.with_queries(MAX_HIDDEN_QUERIES).all_faces();
         if matches!(first.verdict, SweepVerdict::Undecided { .. }) {
             return (Swept::TooFar(None), first.counts);
         }
-        self.answer(trial, first)
+        self.answer(lifted, first)
     }
 
     /// Returns what the result of a search says of the motion.
-    fn answer(&self, trial: &Trial, searched: Searched) -> (Swept, SweepCounts) {
+    fn answer(&self, lifted: &Lifted, searched: Searched) -> (Swept, SweepCounts) {
         let swept = match searched.verdict {
-            SweepVerdict::Free(clearance) => match self.crossed_knot(trial) {
+            SweepVerdict::Free(clearance) => match self.crossed_knot(lifted) {
                 None => Swept::Free(clearance),
-                Some(crossed) if trial.goes_nearer(LEAST_BOUND_FRACTION) => {
+                Some(crossed) if lifted.goes_nearer(LEAST_BOUND_FRACTION) => {
                     Swept::TooFar(Some(crossed))
                 }
                 Some(crossed) => Swept::Crosses(crossed),
@@ -211,7 +168,7 @@ impl<'a> Lifting<'a> {
                 Swept::Late(TimeoutAt::LookingForCrossings)
             }
             SweepVerdict::Undecided { faces: None, .. } => {
-                return self.sweep_no_more_than_knots(trial.knots());
+                return self.sweep_no_more_than_knots(&lifted.knots.knots);
             }
             SweepVerdict::Undecided { faces, at } => Swept::Undecided(Undecided::Crossings {
                 faces,
@@ -222,9 +179,9 @@ impl<'a> Lifting<'a> {
                 last_free,
                 ..
             } => {
-                let crossed = self.crossed(trial, crossing, last_free);
-                let is_first = trial.recourse == Recourse::GoNearer(FIRST_BOUND_FRACTION);
-                let nearer = trial.goes_nearer(LEAST_BOUND_FRACTION);
+                let crossed = self.crossed(lifted, crossing, last_free);
+                let is_first = lifted.recourse == Recourse::GoNearer(FIRST_BOUND_FRACTION);
+                let nearer = lifted.goes_nearer(LEAST_BOUND_FRACTION);
                 if nearer && (is_first || !self.is_blocked()) {
                     Swept::TooFar(Some(crossed))
                 } else {
@@ -236,13 +193,13 @@ impl<'a> Lifting<'a> {
     }
 
     /// Returns where the path ends if faces cross on the motion after a place.
-    fn crossed(&self, trial: &Trial, crossing: Crossing, last_free: Option<Place>) -> Crossed {
-        let rooms: &[f64] = match trial.recourse {
+    fn crossed(&self, lifted: &Lifted, crossing: Crossing, last_free: Option<Place>) -> Crossed {
+        let rooms: &[f64] = match lifted.recourse {
             Recourse::EndEarlier if self.problem.goes_near => &WIDE_ROOMS_RAD,
             Recourse::EndEarlier => &ROOMS_RAD,
             _ => &[],
         };
-        let before = |room| Some(angles_before(&trial.lifted.knots, last_free?, room));
+        let before = |room| Some(angles_before(&lifted.knots, last_free?, room));
         Crossed {
             crossing,
             segment: last_free.map_or(0, |place| place.segment),
@@ -261,13 +218,13 @@ impl<'a> Lifting<'a> {
 
     /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
     /// whether layers that move together pass through each other is then hard to tell.
-    fn tears_hide_contact(&self, trial: &Trial) -> bool {
+    fn tears_hide_contact(&self, lifted: &Lifted) -> bool {
         let (pattern, tree) = (self.problem.pattern, self.reduction.tree);
         let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
-        let angles = trial.knots().iter().flat_map(|knot| &knot.angles);
+        let angles = lifted.knots.knots.iter().flat_map(|knot| &knot.angles);
         let touches = angles.copied().any(|angle| angle.abs() >= flat);
         let holonomy = tree.holonomy(pattern).filter(|_| touches);
-        let (Some(holonomy), Some(closure)) = (holonomy, trial.closure()) else {
+        let (Some(holonomy), Some(closure)) = (holonomy, lifted.certified_closure()) else {
             return false;
         };
         let length = tree.reach(pattern);
@@ -277,18 +234,18 @@ impl<'a> Lifting<'a> {
     }
 
     /// Returns the crossing at the first knot at which faces of a torn sheet cross: a second look, at whole shapes.
-    fn crossed_knot(&self, trial: &Trial) -> Option<Crossed> {
-        if !trial.is_torn() {
+    fn crossed_knot(&self, lifted: &Lifted) -> Option<Crossed> {
+        if !lifted.is_torn() {
             return None;
         }
         let mut judge = Judge::new(self.problem, self.reduction, false);
-        let alike = trial.lifted.errors.closure <= CLOSED;
-        let (index, crossing) = judge.first_crossing(trial.knots(), alike)?;
+        let alike = lifted.errors.closure <= CLOSED;
+        let (index, crossing) = judge.first_crossing(&lifted.knots.knots, alike)?;
         let before = index.checked_sub(1);
-        let free = before.map(|before| trial.knots()[before].angles.clone());
+        let free = before.map(|before| lifted.knots.knots[before].angles.clone());
         let earlier = free
             .iter()
-            .filter(|_| trial.recourse == Recourse::EndEarlier);
+            .filter(|_| lifted.recourse == Recourse::EndEarlier);
         Some(Crossed {
             crossing,
             segment: before.unwrap_or(0),

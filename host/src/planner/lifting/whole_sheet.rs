@@ -3,9 +3,9 @@
 //! a goal that does not close, a path may end before faces cross.
 
 use super::certified_motion::Lifting;
-use super::lifted::Lifted;
+use super::lifted::{Lifted, Recourse};
 use super::measured_motion::torn;
-use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Recourse, Swept, Trial};
+use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept};
 use crate::collision::Crossing;
 use crate::planner::plan::Outcome;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
@@ -37,44 +37,44 @@ impl Lifting<'_> {
     /// motions decide nothing, the answer is that of the last motion before them. Returns the crossing before which the
     /// motion ends, too, if it ends before one.
     fn lift_near_enough(&self, bound_fraction: f64) -> (Lifted, Option<Crossed>) {
-        let mut farther: Vec<(Trial, Option<Crossed>)> = Vec::new();
+        let mut farther: Vec<(Lifted, Option<Crossed>)> = Vec::new();
         let mut fraction = bound_fraction;
         let (mut found, mut crossed) = loop {
-            let mut trial = self.trial(fraction, farther.is_empty());
-            if trial.lifted.outcome != Outcome::Planned {
-                break (trial.lifted, None);
+            let mut lifted = self.lift_for(fraction, farther.is_empty());
+            if lifted.outcome != Outcome::Planned {
+                break (lifted, None);
             }
             let before = farther.last().map(|(before, _)| before);
-            match (self.sweep(&mut trial, before), trial.recourse) {
+            match (self.sweep(&mut lifted, before), lifted.recourse) {
                 (Swept::TooFar(crossed), Recourse::GoNearer(last)) => {
                     fraction = last * NEARER_FACTOR;
-                    farther.push((trial, crossed));
+                    farther.push((lifted, crossed));
                 }
-                (swept, _) => break self.ended(trial, swept),
+                (swept, _) => break self.ended(lifted, swept),
             }
         };
-        while let Some((mut trial, crossing)) = farther.pop() {
+        while let Some((mut lifted, crossing)) = farther.pop() {
             let times = found.times;
             // A sheet that is torn by more than the tolerance crosses elsewhere than its path does; a nearer motion tells
             // where.
             let decides = match found.outcome {
                 Outcome::Planned => true,
-                Outcome::Crossing(_) => crossing.is_none() || trial.is_torn(),
+                Outcome::Crossing(_) => crossing.is_none() || lifted.is_torn(),
                 _ => false,
             };
             if decides {
-                found.times += trial.lifted.times;
-                found.goal_error = found.goal_error.or(trial.lifted.goal_error);
-                found.stop_at(trial.proof_stops);
+                found.times += lifted.times;
+                found.goal_error = found.goal_error.or(lifted.goal_error);
+                found.stop_at(lifted.proof_stops);
                 continue;
             }
-            trial.recourse = Recourse::Nothing;
+            lifted.recourse = Recourse::Nothing;
             let before = farther.last().map(|(before, _)| before);
             let swept = match crossing {
                 Some(crossing) => Swept::Crosses(crossing),
-                None => self.sweep(&mut trial, before),
+                None => self.sweep(&mut lifted, before),
             };
-            (found, crossed) = self.ended(trial, swept);
+            (found, crossed) = self.ended(lifted, swept);
             found.times += times;
         }
         (found, crossed)
@@ -82,44 +82,40 @@ impl Lifting<'_> {
 
     /// Places the motion for a fraction of the bound, certifies it and measures it. The first one counts the closure
     /// residuals of a longer motion as well.
-    fn trial(&self, bound_fraction: f64, is_first: bool) -> Trial {
+    fn lift_for(&self, bound_fraction: f64, is_first: bool) -> Lifted {
         let start = Instant::now();
         let placement = self.place_knots(bound_fraction);
-        let mut trial = Trial {
-            lifted: Lifted {
-                reached: self.reached,
-                waypoints: self.waypoints.len(),
-                certificate: placement.certificate,
-                ..Lifted::default()
-            },
-            proof_stops: None,
+        let mut lifted = Lifted {
+            reached: self.reached,
+            waypoints: self.waypoints.len(),
+            certificate: placement.certificate,
             recourse: match self.open_goal {
                 Some(_) => Recourse::EndEarlier,
                 None => Recourse::GoNearer(bound_fraction),
             },
+            ..Lifted::default()
         };
-        trial.lifted.times.place = start.elapsed();
+        lifted.times.place = start.elapsed();
         if let Some(knots) = placement.knots {
-            trial.lifted.knots = knots;
+            lifted.knots = knots;
             let min_closure = if is_first { self.min_closure } else { 0.0 };
-            self.certify_and_measure(&mut trial, min_closure);
+            self.certify_and_measure(&mut lifted, min_closure);
         } else if self.problem.is_late() {
-            self.end_unjudged(&mut trial.lifted, TimeoutAt::PlacingKnots);
+            self.end_unjudged(&mut lifted, TimeoutAt::PlacingKnots);
         } else {
             let budget = self.knot_budget();
-            trial.lifted.reached = 0.0;
-            (trial.lifted).end(Outcome::Partial, Reason::TooManyKnots { budget });
+            lifted.reached = 0.0;
+            lifted.end(Outcome::Partial, Reason::TooManyKnots { budget });
         }
-        trial
+        lifted
     }
 
     /// Ends a motion before the first segment that is not proved to keep the bound, and measures the sheet at its knots.
-    fn certify_and_measure(&self, trial: &mut Trial, min_closure: f64) {
-        let lifted = &mut trial.lifted;
-        trial.proof_stops = self.end_at_proof(lifted);
-        if trial.proof_stops.is_some() {
+    fn certify_and_measure(&self, lifted: &mut Lifted, min_closure: f64) {
+        lifted.proof_stops = self.end_at_proof(lifted);
+        if lifted.proof_stops.is_some() {
             // The path ends where its proof ends, so that it is neither shortened nor brought nearer to the reduced path.
-            trial.recourse = Recourse::GoNearer(LEAST_BOUND_FRACTION);
+            lifted.recourse = Recourse::GoNearer(LEAST_BOUND_FRACTION);
         }
         let start = Instant::now();
         self.problem.watch.begin(Stage::Folding);
@@ -164,8 +160,7 @@ impl Lifting<'_> {
     }
 
     /// Ends a motion as the sweep says. Returns the crossing before which it ends, too, if it ends before one.
-    fn ended(&self, trial: Trial, swept: Swept) -> (Lifted, Option<Crossed>) {
-        let mut lifted = trial.lifted;
+    fn ended(&self, mut lifted: Lifted, swept: Swept) -> (Lifted, Option<Crossed>) {
         let mut before = None;
         match swept {
             Swept::Free(clearance) => lifted.crossings.clearance = clearance,
@@ -183,7 +178,8 @@ impl Lifting<'_> {
             // The motion decides nothing that the one before does not.
             Swept::TooFar(None) => lifted.outcome = Outcome::Partial,
         }
-        lifted.stop_at(trial.proof_stops);
+        let proof_stops = lifted.proof_stops.take();
+        lifted.stop_at(proof_stops);
         (lifted, before)
     }
 
