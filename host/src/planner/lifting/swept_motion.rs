@@ -42,7 +42,7 @@ const HIDING_RATIO: f64 = 0.1;
 /// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
 const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
-/// What the search for crossings says of a motion.
+/// Answer of the search for crossings on a motion.
 pub(crate) enum Swept {
     /// No faces cross. The smallest distance of two of them was found, if faces were looked at.
     Free(Option<Clearance>),
