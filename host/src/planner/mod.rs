@@ -63,9 +63,9 @@
 //!
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
-//! < closing (elimination_tree < cholesky < sparse < chord < solver)
+//! < closing (sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
-//! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
+//! < foldability (flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
 //! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, way_round, bending, lines

@@ -11,9 +11,9 @@
 //! Rounded coordinates make a straight line slightly bent, and a bent line cannot turn. The program therefore allows
 //! each condition a small error. Its solution proves nothing; its multipliers do, as `certificate.rs` explains.
 
+use foldpath_linear::linear_program::{LinearProgram, Variable};
 use nalgebra::Vector2;
 
-use super::interior_point::{LinearProgram, Variable};
 use crate::pattern::{ClosureSite, CreaseId, CreasePattern, EdgeId, VertexId};
 use crate::util::csr::Csr;
 
