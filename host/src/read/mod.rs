@@ -13,6 +13,7 @@ mod obj;
 mod options;
 #[cfg(feature = "svg")]
 mod opx;
+mod oripa;
 mod segments;
 mod stl;
 #[cfg(feature = "svg")]
@@ -116,12 +117,11 @@ fn parse_within(
         #[cfg(feature = "svg")]
         Format::Opx => opx::parse_pattern(path, text(path, bytes)?, options, watch),
         #[cfg(not(feature = "svg"))]
-        Format::Svg | Format::Opx => Err(FileError::Expected {
-            path: path.to_path_buf(),
-            place: "the file".into(),
-            expected: "a format of this program, which was built without its feature `svg`".into(),
-            found: format.described(),
-        }),
+        Format::Svg | Format::Opx => {
+            let expected = "a format of this program, which was built without its feature `svg`";
+            let found = format.described();
+            Err(FileError::expected(path, "the file", expected, found))
+        }
         Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
@@ -183,12 +183,8 @@ pub fn parse_shape(
         (Format::Obj | Format::Stl, Some(frame)) => {
             let expected = "a FOLD file, which has frames";
             let place = format!("frame {frame}");
-            Err(FileError::expected(
-                path,
-                place,
-                expected,
-                format.described(),
-            ))
+            let found = format.described();
+            Err(FileError::expected(path, place, expected, found))
         }
         _ => fold::parse_shape(path, bytes, frame),
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::error::quoted;
 use super::{FileError, ShapeFile, merge, stem};
 use crate::pattern::LARGEST;
 use crate::unfold::FoldedShape;
@@ -24,8 +25,7 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
         None => match core::str::from_utf8(bytes) {
             Ok(text) if text.trim_start().starts_with("solid") => {
                 ascii(text).map_err(|(line, what, found)| {
-                    let found = found.chars().take(40).collect::<String>();
-                    FileError::expected(path, format!("line {line}"), what, format!("\"{found}\""))
+                    FileError::expected(path, format!("line {line}"), what, quoted(found))
                 })?
             }
             _ => {

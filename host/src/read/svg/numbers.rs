@@ -5,7 +5,7 @@ use svgtypes::{Error, Length, NumberListParser, PathParser};
 use usvg::roxmltree::{Document, Node};
 
 use super::effort::sum;
-use crate::read::error::Wrong;
+use crate::read::error::{Wrong, quoted};
 
 /// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or
 /// added to.
@@ -46,13 +46,12 @@ fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Resu
     // Entities are longer than the text that they stand for.
     let within = if written.len() == value.len() { at } else { 0 };
     let place = document.text_pos_at(written.start + within);
-    let found: String = value[at..].chars().take(40).collect();
     Err((
         format!("line {}, column {}", place.row, place.col),
         format!("{name} to be {what} from -{LARGEST:e} to {LARGEST:e}"),
-        match found.as_str() {
+        match &value[at..] {
             "" => "its end".into(),
-            found => format!("\"{found}\""),
+            found => quoted(found),
         },
     ))
 }
