@@ -24,6 +24,7 @@ use super::options::Straighten;
 use super::{FileError, ReadOptions, stem};
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, LostLines, PatternError, rounded};
 use crate::progress::Watch;
+use crate::util::nan_max::bounding_box;
 
 /// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MOST: usize = 1 << 22;
@@ -304,12 +305,9 @@ impl Reader<'_> {
         CreasePattern::watched(drawing, self.watch).map_err(|source| {
             if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
                 let [from, to] = edges[edge].map(|end| written(vertices[end]));
-                return FileError::Expected {
-                    path: path.to_path_buf(),
-                    place: format!("the line from {from} to {to}"),
-                    expected: "different faces on its sides".into(),
-                    found: "one face all round what it leads to".into(),
-                };
+                let place = format!("the line from {from} to {to}");
+                let found = "one face all round what it leads to";
+                return FileError::expected(path, place, "different faces on its sides", found);
             }
             let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
                 Some(at) => format!("near {}, once repaired: ", written(*at)),
@@ -343,11 +341,11 @@ fn without_islands(
     let mut corners = vec![None; pattern.sheets()];
     let mut faces = Vec::new();
     for (face, &sheet) in pattern.faces().iter().zip(pattern.sheet_of_faces()) {
-        let polygon = || face.iter().map(|vertex| points[vertex.index()]);
         corners[sheet as usize].get_or_insert(points[face[0].index()]);
-        let [low, high] = polygon().fold([points[face[0].index()]; 2], |[low, high], p| {
-            [low.inf(&p), high.sup(&p)]
-        });
+        let Some((low, high)) = bounding_box(face.iter().map(|vertex| points[vertex.index()]))
+        else {
+            continue;
+        };
         faces.push((low, high, sheet as usize, face));
     }
     let corners = corners.into_iter().enumerate();

@@ -17,6 +17,7 @@ use super::{MOST, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
+use crate::util::nan_max::bounding_box;
 
 /// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
 /// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
@@ -64,9 +65,10 @@ pub(super) fn planar(
     if segments.len() > MOST {
         return None;
     }
-    let [low, high] = bounds(&segments);
+    let ends = segments.iter().flat_map(|segment| segment.ends);
+    let (low, high) = bounding_box(ends).unwrap_or_default();
     let diagonal = (high - low).norm();
-    let usual = tolerance(&segments).max(4.0 * rounding);
+    let usual = usual_tolerance(&segments, diagonal).max(4.0 * rounding);
     // Differences within rounding are no differences, whatever the caller chose.
     let least = (ROUNDING * diagonal).max(4.0 * rounding);
     let tolerance = asked.map_or(usual, |asked| asked.max(least));
@@ -75,25 +77,8 @@ pub(super) fn planar(
         least_tolerance: tolerance.min(usual),
         ..Repairs::default()
     };
-    let mut places = Places::new(tolerance, low);
-    let mut pieces: Vec<DrawnEdge> = segments
-        .iter()
-        .map(|segment| DrawnEdge {
-            ends: segment.ends.map(|end| places.at(end)),
-            letter: segment.letter,
-            goal: segment.goal,
-        })
-        .collect();
-    places.centre();
-    for (segment, piece) in segments.iter().zip(&pieces) {
-        for (end, vertex) in segment.ends.iter().zip(piece.ends) {
-            let moved = (places.points[vertex] - end).norm();
-            repairs.moved += usize::from(moved > 0.0);
-            repairs.farthest = repairs.farthest.max(moved);
-        }
-    }
-    pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
-    repairs.short = segments.len() - pieces.len();
+    let (mut places, mut pieces) =
+        merged_ends(&segments, Places::new(tolerance, low), &mut repairs);
     drop(segments);
     deduplicate(&mut pieces, &mut repairs);
     let mut looks = Looks::for_lines(pieces.len(), watch);
@@ -135,6 +120,31 @@ pub(super) fn planar(
         missing_borders(&places.points, &pieces, 2.0 * tolerance, OPEN * diagonal);
     repairs.removed = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
+}
+
+/// Makes one vertex of ends within the tolerance of each other. Returns the vertices and the lines that have a length.
+fn merged_ends(
+    segments: &[Segment],
+    mut places: Places,
+    repairs: &mut Repairs,
+) -> (Places, Vec<DrawnEdge>) {
+    let pieces = segments.iter().map(|segment| DrawnEdge {
+        ends: segment.ends.map(|end| places.at(end)),
+        letter: segment.letter,
+        goal: segment.goal,
+    });
+    let mut pieces: Vec<DrawnEdge> = pieces.collect();
+    places.centre();
+    for (segment, piece) in segments.iter().zip(&pieces) {
+        for (end, vertex) in segment.ends.iter().zip(piece.ends) {
+            let moved = (places.points[vertex] - end).norm();
+            repairs.moved += usize::from(moved > 0.0);
+            repairs.farthest = repairs.farthest.max(moved);
+        }
+    }
+    pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
+    repairs.short = segments.len() - pieces.len();
+    (places, pieces)
 }
 
 /// Number of proximity tests that are still allowed, none once the caller cancels.
@@ -186,17 +196,8 @@ fn cut_up(
     Some(())
 }
 
-fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
-    let mut ends = segments.iter().flat_map(|segment| segment.ends);
-    let first = ends.next().unwrap_or_default();
-    ends.fold([first; 2], |[low, high], end| {
-        [low.inf(&end), high.sup(&end)]
-    })
-}
-
-fn tolerance(segments: &[Segment]) -> f64 {
-    let [low, high] = bounds(segments);
-    let diagonal = (high - low).norm();
+/// Returns the usual merging tolerance of a drawing of this diagonal.
+fn usual_tolerance(segments: &[Segment], diagonal: f64) -> f64 {
     let lengths = segments.iter().map(|s| (s.ends[1] - s.ends[0]).norm());
     let mut lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
     if lengths.is_empty() {

@@ -110,20 +110,13 @@ struct Size {
     levels: u64,
 }
 
-/// Returns the size of the document with all uses expanded.
-///
-/// A stroke may be painted with a pattern or gradient, which usvg then copies for each element. Patterns in patterns
-/// would be copies of copies, and are refused.
-fn expanded(document: &Document<'_>) -> Result<Size, String> {
+/// Returns the size of the paint that usvg copies for each element: patterns and gradients, if a stroke is painted with
+/// any of them. Patterns in patterns would be copies of copies, and are refused.
+fn copied_paint(document: &Document<'_>, cubics: u64) -> Result<u64, String> {
     let nodes = document.descendants();
-    let mut ids = HashMap::new();
     let mut in_paint = vec![false; nodes.len()];
     let (mut painted, mut painted_paint, mut patterns, mut paint) = (false, false, false, 0_u64);
-    let cubics = cubics(nodes.clone().map(reach).sum());
-    for node in nodes.clone() {
-        if let Some(id) = node.attribute("id") {
-            ids.entry(id).or_insert(node);
-        }
+    for node in nodes {
         let name = node.tag_name().name();
         let is_in_paint = matches!(name, "pattern" | "linearGradient" | "radialGradient")
             || node.parent().is_some_and(|parent| in_paint[index(parent)]);
@@ -148,7 +141,20 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
     if painted_paint && patterns {
         return Err("strokes with a pattern in what may be a pattern".into());
     }
-    let each = if painted { paint } else { 0 };
+    Ok(if painted { paint } else { 0 })
+}
+
+/// Returns the size of the document with all uses expanded.
+fn expanded(document: &Document<'_>) -> Result<Size, String> {
+    let nodes = document.descendants();
+    let cubics = cubics(nodes.clone().map(reach).sum());
+    let each = copied_paint(document, cubics)?;
+    let mut ids = HashMap::new();
+    for node in nodes.clone() {
+        if let Some(id) = node.attribute("id") {
+            ids.entry(id).or_insert(node);
+        }
+    }
     let mut done: Vec<Option<Size>> = vec![None; nodes.len()];
     let mut begun = vec![false; nodes.len()];
     let mut open = vec![document.root()];
