@@ -205,33 +205,10 @@ pub fn run(
     options: Options,
     watcher: &mut impl Watcher,
 ) -> io::Result<Summary> {
-    let Some(items) = path.items() else {
-        return Err(io::ErrorKind::InvalidInput.into());
-    };
-    let persistence = if options.resume {
-        Persistence::Resume
-    } else {
-        Persistence::None
-    };
-    let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
-    match options.stands {
-        Stands::Known => {}
-        Stands::AtStart => driver = driver.confirming(),
-        Stands::Measured => driver = driver.measuring(),
-    }
-    if options.unattended {
-        driver = driver.unattended();
-    }
     // Only a host that goes on may stand on the reverse.
     let reverse = options.resume.then(|| path.reverse()).flatten();
-    if let Some(items) = reverse.as_ref().and_then(StreamPath::items) {
-        driver = driver.turning(items);
-    }
-    if let Some(key) = options.key {
-        driver = driver.with_key(key, options.nonce);
-    }
     let mut session = Session {
-        driver,
+        driver: driver(path, reverse.as_ref(), options)?,
         path,
         resume: options.resume,
         wish: Wish::Run,
@@ -247,26 +224,7 @@ pub fn run(
     let start = link.now();
     let mut failed = None;
     let end = loop {
-        let wish = match (&failed, watcher.wish()) {
-            (Some(_), Wish::Run) => Wish::Stop,
-            (_, wish) => wish,
-        };
-        let looked = session.look(wish, link);
-        let mut broken = looked.err();
-        let mut left = MAX_BYTES;
-        while broken.is_none()
-            && let Some(heard) = session.hear(link, &mut left)
-        {
-            match heard {
-                Ok(_) if failed.is_some() => {}
-                Ok(telemetry) => failed = watcher.telemetry(&telemetry).err(),
-                Err(error) => broken = Some(error),
-            }
-        }
-        // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
-        // controller.
-        broken = broken.or_else(|| session.exchange(link).err());
-        if let Some(error) = broken {
+        if let Err(error) = session.round(link, watcher, &mut failed) {
             let what = format!("the line: {error}");
             break (Outcome::NoDevice, Some(Ending::Line(what)));
         }
@@ -281,6 +239,36 @@ pub fn run(
         Some(error) => Err(error),
         None => Ok(session.summary(end, link.now() - start)),
     }
+}
+
+/// Makes the driver of a session, which may also stand on the `reverse` of the path.
+fn driver<'a>(
+    path: &'a StreamPath,
+    reverse: Option<&'a StreamPath>,
+    options: Options,
+) -> io::Result<Driver<'a>> {
+    let items = path.items().ok_or(io::ErrorKind::InvalidInput)?;
+    let persistence = if options.resume {
+        Persistence::Resume
+    } else {
+        Persistence::None
+    };
+    let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
+    match options.stands {
+        Stands::Known => {}
+        Stands::AtStart => driver = driver.confirming(),
+        Stands::Measured => driver = driver.measuring(),
+    }
+    if options.unattended {
+        driver = driver.unattended();
+    }
+    if let Some(items) = reverse.and_then(StreamPath::items) {
+        driver = driver.turning(items);
+    }
+    if let Some(key) = options.key {
+        driver = driver.with_key(key, options.nonce);
+    }
+    Ok(driver)
 }
 
 struct Session<'a> {
@@ -305,6 +293,31 @@ struct Session<'a> {
 }
 
 impl Session<'_> {
+    /// Asks the watcher, reads what has arrived, and sends what is due. An error of the watcher goes to `failed`, after
+    /// which the motion is stopped and the watcher gets no more telemetry.
+    fn round(
+        &mut self,
+        link: &mut impl Link,
+        watcher: &mut impl Watcher,
+        failed: &mut Option<io::Error>,
+    ) -> io::Result<()> {
+        let wish = match (&failed, watcher.wish()) {
+            (Some(_), Wish::Run) => Wish::Stop,
+            (_, wish) => wish,
+        };
+        self.look(wish, link)?;
+        let mut left = MAX_BYTES;
+        while let Some(heard) = self.hear(link, &mut left) {
+            let telemetry = heard?;
+            if failed.is_none() {
+                *failed = watcher.telemetry(&telemetry).err();
+            }
+        }
+        // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
+        // controller.
+        self.exchange(link)
+    }
+
     fn look(&mut self, wish: Wish, link: &mut impl Link) -> io::Result<()> {
         if wish != Wish::Run && self.wish == Wish::Run {
             self.driver.stop();

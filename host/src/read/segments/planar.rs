@@ -17,18 +17,18 @@ use super::{MOST, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
-use crate::util::nan_max::bounding_box;
+use crate::util::nan_max::{bounding_box, median};
 
 /// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
 /// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
-const OF_MEDIAN: f64 = 1e-3;
+const MEDIAN_RATIO: f64 = 1e-3;
 
 /// Upper bound of the merging tolerance, as a fraction of the sheet's diagonal, for drawings whose lines run right
 /// across the sheet.
-const OF_DIAGONAL: f64 = 1e-4;
+const DIAGONAL_RATIO: f64 = 1e-4;
 
 /// Lower bound of the merging tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_RATIO: f64 = 1e-9;
 
 /// Budget of proximity tests: the first number for each line, but in all at least the second. If all lines are in one
 /// place, each is near all others. Tessellations need some hundreds for each line.
@@ -70,7 +70,7 @@ pub(super) fn planar(
     let diagonal = (high - low).norm();
     let usual = usual_tolerance(&segments, diagonal).max(4.0 * rounding);
     // Differences within rounding are no differences, whatever the caller chose.
-    let least = (ROUNDING * diagonal).max(4.0 * rounding);
+    let least = (ROUNDING_RATIO * diagonal).max(4.0 * rounding);
     let tolerance = asked.map_or(usual, |asked| asked.max(least));
     let mut repairs = Repairs {
         tolerance,
@@ -199,15 +199,12 @@ fn cut_up(
 /// Returns the usual merging tolerance of a drawing of this diagonal.
 fn usual_tolerance(segments: &[Segment], diagonal: f64) -> f64 {
     let lengths = segments.iter().map(|s| (s.ends[1] - s.ends[0]).norm());
-    let mut lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
-    if lengths.is_empty() {
-        return 0.0;
-    }
-    let middle = lengths.len() / 2;
-    let median = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
-    (OF_MEDIAN * median)
-        .min(OF_DIAGONAL * diagonal)
-        .max(ROUNDING * diagonal)
+    let median = median(lengths.filter(|length| *length > 0.0));
+    median.map_or(0.0, |median| {
+        (MEDIAN_RATIO * median)
+            .min(DIAGONAL_RATIO * diagonal)
+            .max(ROUNDING_RATIO * diagonal)
+    })
 }
 
 /// Keeps one of all lines between the same two vertices: the line of highest precedence, or else the first.
