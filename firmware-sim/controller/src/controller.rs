@@ -28,10 +28,10 @@ pub const FRAME: usize = 256;
 pub const WAITING: usize = 512;
 /// Bytes of the ring that telemetry leaves free for answers: four reports, or three of the longest ones with a key, which have
 /// 65 bytes.
-const RESERVE: usize = 4 * cobs::longest(64);
+const RESERVE_BYTES: usize = 4 * cobs::longest(64);
 /// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
 /// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
-const GREETINGS: u64 = 50_000;
+const MIN_GREETING_US: u64 = 50_000;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
 pub const ALONE: Membership = Membership {
@@ -459,11 +459,16 @@ impl<
         while let Some(frame) = self.receiver.poll(&status, items, &mut buffer) {
             let reports = self.receiver.reports();
             let since = |then| now.saturating_sub(then);
-            let early = self.greeted.is_some_and(|then| since(then) < GREETINGS);
+            let early = self
+                .greeted
+                .is_some_and(|then| since(then) < MIN_GREETING_US);
             if P::KEYED && !reports && early {
                 break;
             }
-            if !self.ring.add(frame, if reports { 0 } else { RESERVE }) {
+            if !self
+                .ring
+                .add(frame, if reports { 0 } else { RESERVE_BYTES })
+            {
                 return;
             }
             if !reports {
@@ -505,7 +510,7 @@ impl<
         }
         while let Some(message) = self.message() {
             let frame = self.receiver.post(&message, buffer);
-            if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE)) {
+            if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE_BYTES)) {
                 return;
             }
             self.receiver.posted();

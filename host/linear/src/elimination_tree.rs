@@ -8,9 +8,9 @@ use core::ops::Range;
 use crate::csr::Csr;
 
 /// Number of equal parts of all operations, of which a branch has no more than one.
-const PARTS: u64 = 12;
+const MIN_PARTS: u64 = 12;
 /// Ratio of the largest branch to the smallest that stands alone, in operations.
-const LARGEST_TO_SMALLEST: u64 = 8;
+const LARGEST_TO_SMALLEST_RATIO: u64 = 8;
 
 /// The elimination tree of a factor, and the operations that its columns take.
 pub(crate) struct EliminationTree {
@@ -78,7 +78,7 @@ impl EliminationTree {
 /// Returns branches that have no more than a part of all operations each, as ranges of columns from left to right. The
 /// columns have to be in postorder.
 pub(crate) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
-    let most = tree.operations() / PARTS;
+    let most = tree.operations() / MIN_PARTS;
     let mut branches = Vec::new();
     let mut end = tree.parents.len();
     // From the right, a column is followed by the last of its children.
@@ -88,7 +88,7 @@ pub(crate) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
             continue;
         }
         let start = end - tree.sizes[column];
-        if tree.operations[column] >= most / LARGEST_TO_SMALLEST {
+        if tree.operations[column] >= most / LARGEST_TO_SMALLEST_RATIO {
             branches.push(start..end);
         }
         end = start;

@@ -15,11 +15,11 @@ const MAX_ITERATIONS: usize = 100;
 /// Mean complementarity of an accurate solution, in units of the cost. The normal equations cannot be solved below about
 /// the square root of the rounding error: near the solution their matrix has entries of the size of the complementarity
 /// and of its inverse.
-const COMPLEMENTARITY: f64 = 1e-8;
+const MAX_COMPLEMENTARITY_RATIO: f64 = 1e-8;
 /// Largest error of a constraint, of the primal or the dual program, of an accurate solution.
-const FEASIBILITY: f64 = 1e-7;
+const MAX_CONSTRAINT_ERROR: f64 = 1e-7;
 /// Fraction of the way to the nearest bound that a step goes.
-const STEP_FRACTION: f64 = 0.995;
+const STEP_RATIO: f64 = 0.995;
 
 /// Number of rounds of iterative refinement for each system of equations.
 const REFINEMENTS: usize = 2;
@@ -75,14 +75,15 @@ impl LinearProgram {
         for _ in 0..MAX_ITERATIONS {
             let residuals = self.residuals(&at);
             let mean = at.complementarity();
-            let error = (mean / COMPLEMENTARITY).max(residuals.largest() / FEASIBILITY);
+            let error =
+                (mean / MAX_COMPLEMENTARITY_RATIO).max(residuals.largest() / MAX_CONSTRAINT_ERROR);
             if error < best.0 {
                 let (x, y) = (at.x.clone(), at.y.clone());
                 best = (error, Solution { x, y });
             }
             let weights = at.weights();
             if best.0 <= 1.0
-                || mean < COMPLEMENTARITY * COMPLEMENTARITY
+                || mean < MAX_COMPLEMENTARITY_RATIO * MAX_COMPLEMENTARITY_RATIO
                 || !normal.factorise(self, &weights)
             {
                 break;
@@ -105,7 +106,7 @@ impl LinearProgram {
             let centring = (reached / mean).powi(3).min(1.0);
             let aims = aim(centring * mean, Some(&affine));
             let step = self.step(&at, &residuals, &aims, &weights, &mut normal);
-            let next = at.after(&step, at.reach(&step, STEP_FRACTION));
+            let next = at.after(&step, at.reach(&step, STEP_RATIO));
             if !next.is_finite() {
                 break;
             }

@@ -26,12 +26,12 @@ const TIME_PER_STAR: Duration = Duration::from_nanos(100);
 
 /// Error of the polynomials, as a residual, for which the number of points is chosen: below all rounding. If no number
 /// of points reaches it, the largest one is used.
-const POLYNOMIAL_RESIDUAL: f64 = 1e-16;
+const MAX_POLYNOMIAL_ERROR_RAD: f64 = 1e-16;
 /// Bound up to which a part is never halved, as it is rounding.
-const ROUNDING_RESIDUAL: f64 = 1e-13;
+const ROUNDING_RAD: f64 = 1e-13;
 /// Rounding of a product of two quaternions, in ε: each of its components sums four products of at most four roundings
 /// of ε/2 each; the norm of |c|, |x|, |y| is at most √3.
-const PRODUCT_EPS: f64 = 3.5;
+const PRODUCT_ROUNDING_EPSILONS: f64 = 3.5;
 
 /// Bounds on the closure residuals over a segment; infinite if nothing can be bounded, as for curves that are not
 /// finite.
@@ -169,7 +169,7 @@ impl SegmentCertifier {
     fn enough_points(&self) -> usize {
         let enough = |points: &Points| {
             let mut errors = self.conditions.iter();
-            errors.all(|c| points.error(&self.radii, &c.growth) <= POLYNOMIAL_RESIDUAL)
+            errors.all(|c| points.error(&self.radii, &c.growth) <= MAX_POLYNOMIAL_ERROR_RAD)
         };
         let last = self.points.len() - 1;
         self.points.iter().position(enough).unwrap_or(last)
@@ -229,7 +229,7 @@ impl SegmentCertifier {
         conditions().all(|(index, condition)| {
             let bound =
                 self.points[points].bound(&self.radii, &condition.growth, condition.largest);
-            bound <= (LOOSE_RATIO * seen[kind(index)]).max(ROUNDING_RESIDUAL)
+            bound <= (LOOSE_RATIO * seen[kind(index)]).max(ROUNDING_RAD)
         })
     }
 
@@ -273,7 +273,8 @@ fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
             *sum += growth;
         }
         let [x, y] = spoke.direction;
-        rounding += piece.rounding + PRODUCT_EPS * f64::EPSILON + (x * x + y * y - 1.0).abs();
+        rounding +=
+            piece.rounding + PRODUCT_ROUNDING_EPSILONS * f64::EPSILON + (x * x + y * y - 1.0).abs();
     }
     Condition {
         growth,

@@ -23,7 +23,7 @@ use crate::util::parallel;
 const TIME_PER_FACE: Duration = Duration::from_micros(3);
 
 /// Polynomial error that is always small enough where the number of points is chosen.
-const POLYNOMIAL_ERROR: f64 = 1e-13;
+const MAX_POLYNOMIAL_ERROR_RATIO: f64 = 1e-13;
 /// Polynomial error that is small enough, as a fraction of the bound that is enough.
 const POLYNOMIAL_ERROR_RATIO: f64 = 0.01;
 /// Rounding of a half angle that [`rounding`] allows for, 16 ε.
@@ -130,7 +130,9 @@ impl<'a> Folded<'a> {
             let growth = self.prepare(curves, part);
             let serves = |points: &Points| {
                 let mut errors = growth.iter().map(|(g, _)| points.error(&self.radii, g));
-                errors.all(|error| error <= POLYNOMIAL_ERROR.max(POLYNOMIAL_ERROR_RATIO * enough))
+                errors.all(|error| {
+                    error <= MAX_POLYNOMIAL_ERROR_RATIO.max(POLYNOMIAL_ERROR_RATIO * enough)
+                })
             };
             let points = self.points.iter().position(serves);
             let last = depth == MAX_HALVINGS;
@@ -294,7 +296,7 @@ impl<'a> Folded<'a> {
     /// Returns `true` if every bound is near the largest error seen in the segment.
     fn is_tight(&self, bound: Rigidity, seen: Rigidity) -> bool {
         let tight = |bound: f64, seen: f64, rounding: f64| {
-            bound <= LOOSE_RATIO * (seen + self.coarse * rounding) + POLYNOMIAL_ERROR
+            bound <= LOOSE_RATIO * (seen + self.coarse * rounding) + MAX_POLYNOMIAL_ERROR_RATIO
         };
         tight(bound.gap, seen.gap, self.rounding.gap)
             && tight(

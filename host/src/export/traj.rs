@@ -59,16 +59,16 @@ pub fn memberships(motion: &Motion, file: &Path) -> Result<Vec<Membership>, File
 
 /// Relative excess over its limits up to which a path is accepted. The path is then slowed down to keep the limits, as
 /// it is for the excess that rounding causes.
-const HASTE: f64 = 0.01;
+const MAX_EXCESS_RATIO: f64 = 0.01;
 /// Largest number of times that a path is slowed down; every change of speed rounds its times and rates differently.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 /// Largest difference (radians) between sectors of two vertices that counts as rounding of their coordinates.
-const SAME_SECTOR: f64 = 1e-6;
+const SAME_SECTOR_RAD: f64 = 1e-6;
 /// Closure residual of a closed configuration in `f32`: the rounding of the stored numbers and of the controller's
 /// arithmetic.
-const FLOOR: f64 = 2e-6;
+const MIN_CLOSURE_RAD: f64 = 2e-6;
 /// Number of places in each segment at which the closure residual is sampled, besides its beginning.
-const SAMPLES: u8 = 16;
+const SAMPLES_PER_SEGMENT: u8 = 16;
 
 impl TrajFile {
     /// Describes the file.
@@ -97,7 +97,7 @@ impl TrajFile {
             ("foldpath:maxSpeed", speed, found.speed),
             ("foldpath:maxAcceleration", acceleration, found.acceleration),
         ] {
-            if found > limit.to_f64() * (1.0 + HASTE) {
+            if found > limit.to_f64() * (1.0 + MAX_EXCESS_RATIO) {
                 return Err(FileError::Expected {
                     path: file.to_path_buf(),
                     place: key.into(),
@@ -115,7 +115,7 @@ impl TrajFile {
             acceleration,
         };
         let mut stretch = 1.0;
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let rounded = Rounded::of(&exact, stretch);
             let view = rounded.wide.view(file)?;
             let excess = Overshoot::of(view, &speeds, &accelerations).stretch();
@@ -245,15 +245,15 @@ impl Rounded {
     fn closure(&self, stars: StarsView<'_, f64>, file: &Path) -> Result<f32, FileError> {
         let view = self.wide.view(file)?;
         let segments = 0..self.times.len().saturating_sub(1);
-        let places =
-            segments.flat_map(|segment| (0..=SAMPLES).map(move |sample| (segment, sample)));
+        let places = segments
+            .flat_map(|segment| (0..=SAMPLES_PER_SEGMENT).map(move |sample| (segment, sample)));
         let residuals = places.map(|(segment, sample)| {
-            let s = f64::from(sample) / f64::from(SAMPLES);
+            let s = f64::from(sample) / f64::from(SAMPLES_PER_SEGMENT);
             let curves = (0..self.wide.groups).filter_map(|group| view.curve(segment, group));
             let angles: Vec<f64> = curves.map(|curve| curve.angle(s)).collect();
             largest_star_residual(stars, &angles)
         });
-        Ok(f32::lit(largest(residuals) + FLOOR))
+        Ok(f32::lit(largest(residuals) + MIN_CLOSURE_RAD))
     }
 
     fn write(
@@ -273,7 +273,7 @@ impl Rounded {
         );
         let view = view.map_err(|error| unfit(file, &error))?;
         let limits = vec![limits; self.wide.groups];
-        let groups = CreaseGroups::of_memberships(hinges.clone(), SAME_SECTOR / 4.0);
+        let groups = CreaseGroups::of_memberships(hinges.clone(), SAME_SECTOR_RAD / 4.0);
         let stars = ReducedStars::all(pattern, &groups);
         let closure = self.closure(stars.distinct().view(), file)?;
         let (spokes, ends) = spokes(stars.essential().view());

@@ -25,16 +25,16 @@ pub struct Kresling {
 }
 
 /// Largest number of sides; with more, the rings beyond the second are too narrow to be seen.
-const MOST_SIDES: usize = 24;
+const MAX_SIDES: usize = 24;
 /// Height of the triangles on the inner polygon, relative to the least height with a second state.
-const HEIGHT: f64 = 1.4;
+const HEIGHT_RATIO: f64 = 1.4;
 /// Rotation of an outer polygon against the inner one's sides, relative to the angle of one side at the centre.
-const TWIST: f64 = 0.25;
+const TWIST_RATIO: f64 = 0.25;
 /// Steps of the search for a raised state, in the fold angle of a ring's inner sides. Each step is at most half a
 /// degree wide; two states closer than that would be useless as goals.
-const STEPS: u32 = 720;
+const SEARCH_STEPS: u32 = 720;
 /// Largest angle (radians) from level that still counts as the flat state.
-const LEVEL: f64 = 0.05;
+const LEVEL_RAD: f64 = 0.05;
 /// Number of bisections of a step, down to the resolution of the numbers.
 const HALVINGS: u32 = 60;
 
@@ -55,7 +55,7 @@ impl Kresling {
                 found,
             }
         };
-        if self.columns < 4 || self.columns > MOST_SIDES || !self.columns.is_multiple_of(2) {
+        if self.columns < 4 || self.columns > MAX_SIDES || !self.columns.is_multiple_of(2) {
             let expected = "an even number of sides from 4 to 24";
             return Err(error("cols", expected, self.columns));
         }
@@ -99,8 +99,8 @@ impl Kresling {
     ) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let half = self.side() / 2.0;
         let radius = inner.norm();
-        let height = HEIGHT * radius * half.sin() * half.tan();
-        let twist = TWIST * self.side();
+        let height = HEIGHT_RATIO * radius * half.sin() * half.tan();
+        let twist = TWIST_RATIO * self.side();
         let outer_radius = (radius * half.cos() + height) / twist.cos();
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), half + twist);
         let outer = turn * inner * (outer_radius / radius);
@@ -125,8 +125,8 @@ impl Kresling {
             let corner = place(angle);
             (self.corner(corner, 1, true) - corner).norm() - long
         };
-        let step = core::f64::consts::TAU / f64::from(STEPS);
-        let starts = (0..STEPS).map(|k| (f64::from(k) + 0.5) * step - core::f64::consts::PI);
+        let step = core::f64::consts::TAU / f64::from(SEARCH_STEPS);
+        let starts = (0..SEARCH_STEPS).map(|k| (f64::from(k) + 0.5) * step - core::f64::consts::PI);
         let states = starts
             .filter(|start| excess(*start) * excess(start + step) < 0.0)
             .map(|start| {
@@ -141,7 +141,7 @@ impl Kresling {
                 }
                 low
             });
-        let raised = states.filter(|angle| angle.abs() > LEVEL);
+        let raised = states.filter(|angle| angle.abs() > LEVEL_RAD);
         let gentlest = raised.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         Some((outer, place(gentlest)))
     }

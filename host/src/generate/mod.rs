@@ -43,7 +43,7 @@ impl ParameterError {
 }
 
 /// Largest number of rows or columns of a sheet: the largest sheets have a little more than 10⁷ edges.
-const MOST: usize = 3_000;
+const MAX_ROWS: usize = 3_000;
 
 fn check_size(parameter: &'static str, size: usize, least: usize) -> Result<(), ParameterError> {
     #[allow(clippy::cast_precision_loss, reason = "for a message")]
@@ -52,7 +52,7 @@ fn check_size(parameter: &'static str, size: usize, least: usize) -> Result<(), 
         1 => "1 to 3000",
         _ => "2 to 3000",
     };
-    if (least..=MOST).contains(&size) {
+    if (least..=MAX_ROWS).contains(&size) {
         Ok(())
     } else {
         Err(ParameterError {

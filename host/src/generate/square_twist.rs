@@ -38,7 +38,7 @@ pub enum Letters {
 }
 
 /// Side length of a tile.
-const TILE: f64 = 2.0;
+const TILE_LENGTH: f64 = 2.0;
 
 /// Fold angles at the corner where side k of a square begins, in radians.
 struct Corner {
@@ -96,7 +96,7 @@ impl SquareTwist {
     fn corners(&self, row: usize, column: usize) -> [Vector2<f64>; 4] {
         let (sin, cos) = self.angle.sin_cos();
         let first = Vector2::new(sin - cos, -cos - sin) / 2.0;
-        let centre = Vector2::new(size(column), size(row)).add_scalar(TILE / 2.0);
+        let centre = Vector2::new(size(column), size(row)).add_scalar(TILE_LENGTH / 2.0);
         let sign = |index: usize| if index.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mirror = Vector2::new(sign(column), sign(row));
         let mut corner = first;
@@ -192,5 +192,5 @@ impl SquareTwist {
 /// Returns the length of `tiles` tiles.
 #[allow(clippy::cast_precision_loss, reason = "at most thousands of tiles")]
 fn size(tiles: usize) -> f64 {
-    tiles as f64 * TILE
+    tiles as f64 * TILE_LENGTH
 }

@@ -437,7 +437,7 @@ fn real_vertices(stars: &Csr<EdgeId>, edges: &[Edge]) -> Vec<bool> {
 }
 
 /// Largest sum of the squared numbers of corners over all faces: triangulation takes as many steps, some seconds.
-const STEPS: usize = 1 << 30;
+const MAX_TRIANGULATION_STEPS: usize = 1 << 30;
 
 type Panels = (Csr<[VertexId; 3]>, Vec<[VertexId; 2]>);
 
@@ -447,7 +447,7 @@ fn panels(drawing: &Drawing, faces: &Csr<VertexId>) -> Result<Panels, PatternErr
     let mut steps = 0;
     for (face, cycle) in faces.iter().enumerate() {
         steps += cycle.len() * cycle.len();
-        if steps > STEPS {
+        if steps > MAX_TRIANGULATION_STEPS {
             let corners = cycle.len();
             return Err(PatternError::Corners { face, corners });
         }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::error::quoted;
 use super::oripa::TypedLines;
-use super::segments::{MOST, pattern_file};
+use super::segments::{MAX_LINES, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -50,7 +50,7 @@ pub(super) fn parse_pattern(
         let types = "a type, 1 contour, 2 mountain, 3 valley or 4 auxiliary";
         let kind: u8 = kind.parse().map_err(|_| expected(types, kind))?;
         let added = lines.add(kind.into(), coordinates);
-        added.ok_or_else(|| expected(&format!("at most {MOST} lines"), line))?;
+        added.ok_or_else(|| expected(&format!("at most {MAX_LINES} lines"), line))?;
     }
     let mut lines = lines.into_loose("lines of no type");
     if commas > 0 {

@@ -54,7 +54,7 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// If the source cannot be read, or has more bytes than a file of its format may have.
 pub fn read_stream(path: &Path, source: impl Read) -> Result<(Vec<u8>, Format), FileError> {
     let mut bytes = Vec::new();
-    let most = fold::LARGEST_FILE;
+    let most = fold::MAX_FILE_BYTES;
     let read = source.take(most + 1).read_to_end(&mut bytes);
     read.map_err(FileError::io(path))?;
     let format = Format::of_content(&bytes);

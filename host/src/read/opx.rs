@@ -10,7 +10,7 @@ use usvg::roxmltree::{Document, Error, Node, ParsingOptions};
 
 use super::error::{Wrong, quoted};
 use super::oripa::TypedLines;
-use super::segments::{LooseLines, MOST, pattern_file};
+use super::segments::{LooseLines, MAX_LINES, pattern_file};
 use super::{FileError, ReadOptions, svg};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -71,7 +71,7 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
             return Err(wrong(item, expected, found));
         }
         let (kind, ends) = properties(item)?;
-        let most = || wrong(item, &format!("at most {MOST} lines"), "more".into());
+        let most = || wrong(item, &format!("at most {MAX_LINES} lines"), "more".into());
         lines.add(kind, ends).ok_or_else(most)?;
     }
     let title = title(array)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector2;
 
-use super::segments::{LooseLines, MOST, Segment};
+use super::segments::{LooseLines, MAX_LINES, Segment};
 use crate::pattern::Letter;
 
 /// The lines of a drawing in the order of the file.
@@ -29,7 +29,7 @@ impl TypedLines {
                 return Some(());
             }
         };
-        if self.segments.len() == MOST {
+        if self.segments.len() == MAX_LINES {
             return None;
         }
         self.segments.push(Segment {

@@ -25,7 +25,7 @@ use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 use self::colour::Kind;
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
-use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::segments::{LooseLines, MAX_LINES, Segment, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::colours::hex;
 use crate::progress::Watch;
@@ -228,8 +228,8 @@ fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
                     return Err((place(), "straight lines alone".into(), "a curve".into()));
                 };
                 total += lines.ends.len();
-                if total > MOST {
-                    return Err((place(), format!("at most {MOST} lines"), "more".into()));
+                if total > MAX_LINES {
+                    return Err((place(), format!("at most {MAX_LINES} lines"), "more".into()));
                 }
                 strokes.push(Stroke {
                     kind,

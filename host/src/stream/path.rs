@@ -13,7 +13,7 @@ use crate::symmetry::largest_star_residual;
 
 /// Difference (radians) up to which two angles count as the same: the rounding of half a turn to `f32`, with room for that
 /// of the path from which the file was exported.
-const SAME_ANGLE: f32 = 1e-6;
+const SAME_ANGLE_RAD: f32 = 1e-6;
 
 /// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
@@ -116,7 +116,7 @@ impl StreamPath {
     #[must_use]
     pub fn begins_flat(&self) -> bool {
         let begin = self.angles.iter().take(self.groups());
-        begin.into_iter().all(|angle| angle.abs() <= SAME_ANGLE)
+        begin.into_iter().all(|angle| angle.abs() <= SAME_ANGLE_RAD)
     }
 
     /// Returns `true` if the path begins at the goal, but for rounding: at the last knot of the path of the file.
@@ -125,7 +125,7 @@ impl StreamPath {
         let (groups, angles) = (self.groups(), &self.angles);
         let begin = angles.iter().take(groups);
         let goal = angles.iter().skip(angles.len().saturating_sub(groups));
-        let same = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME_ANGLE;
+        let same = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME_ANGLE_RAD;
         self.reversed || begin.zip(goal).all(same)
     }
 

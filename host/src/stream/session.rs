@@ -12,7 +12,7 @@ use super::link::{Link, send};
 use super::{Ending, StreamPath};
 
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
-const PATIENCE: u64 = 1_000_000;
+const PATIENCE_US: u64 = 1_000_000;
 
 /// Decodes numbers of 4 bytes each.
 fn numbers(bytes: &[u8]) -> Vec<f32> {
@@ -434,7 +434,7 @@ impl Session<'_> {
             let reason = match drawn {
                 None => Ending::Left,
                 Some(_) if stands => Ending::Quit { reported: true },
-                Some(drawn) if now > drawn + PATIENCE => Ending::Quit { reported: false },
+                Some(drawn) if now > drawn + PATIENCE_US => Ending::Quit { reported: false },
                 Some(_) => return None,
             };
             return Some((Outcome::Stopped, Some(reason)));
@@ -497,7 +497,7 @@ impl Session<'_> {
             // The controller may need a while to measure all hinges.
             Denial::Unknown(_) | Denial::Spread(_) => {
                 let since = *self.unknown.get_or_insert(now);
-                (now > since + PATIENCE).then_some((Outcome::Held, Ending::Denied(why)))
+                (now > since + PATIENCE_US).then_some((Outcome::Held, Ending::Denied(why)))
             }
             _ => None,
         }

@@ -19,7 +19,7 @@ use crate::util::nan_max::largest;
 
 /// Largest difference of sector angles that count as equal, in tolerances of the groups: two stars may each differ from
 /// a third by one tolerance, and each sector has two sides.
-const SAME_ANGLE: f64 = 4.0;
+const SAME_ANGLE_TOLERANCES: f64 = 4.0;
 
 /// Returns the largest closure residual of stars at the unknowns `x` (radians), 0 without stars; NaN if a residual is
 /// NaN.
@@ -93,7 +93,7 @@ impl ReducedStars {
             holes: Vec::new(),
             places: Vec::new(),
             unknowns,
-            same_angle: SAME_ANGLE * tolerance,
+            same_angle: SAME_ANGLE_TOLERANCES * tolerance,
             rounded: Vec::new(),
             likeness: OnceLock::new(),
         };

@@ -25,28 +25,28 @@ use crate::util::csr::Csr;
 
 /// Tolerance for equal points, in median edges, and for equal directions, in radians: a thousand times the noise of
 /// coordinates with nine digits, and a thousandth of what is visible.
-const SAME_PLACE: f64 = 1e-6;
+const EXACT_TOLERANCE: f64 = 1e-6;
 /// Tolerances for sheets that seem irregular because their coordinates are rough. The largest in use is a thousandth,
 /// for coordinates of three digits; the last tolerance only confirms the one before it.
-const ROUGH: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
-/// A sheet with at most [`FEW`] groups, as tessellations have, is accepted without trying rough tolerances if its stars
-/// agree to within the fraction [`FAR_BETTER`] of the tolerance.
-const FEW: usize = 4;
-const FAR_BETTER: f64 = 0.1;
+const ROUGH_TOLERANCES: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
+/// A sheet with at most [`MAX_FEW_GROUPS`] groups, as tessellations have, is accepted without trying rough tolerances if its stars
+/// agree to within the fraction [`FAR_BETTER_RATIO`] of the tolerance.
+const MAX_FEW_GROUPS: usize = 4;
+const FAR_BETTER_RATIO: f64 = 0.1;
 /// Factor by which the tolerance for stars exceeds that for whole sheets if coordinates are rough: a single star does
 /// not determine its isometry well enough.
-const ROUGH_STAR: f64 = 2.0;
+const ROUGH_STAR_FACTOR: f64 = 2.0;
 /// Largest distance, in tolerances, of a vertex from its image while an isometry is fitted.
-const REACH: f64 = 10.0;
+const REACH_TOLERANCES: f64 = 10.0;
 /// Largest difference of goal angles within one group, radians: half a degree covers goals that were measured or
 /// rounded.
-const SAME_GOAL: f64 = 1e-2;
+const SAME_GOAL_RAD: f64 = 1e-2;
 
-/// Budget of compared vertices: `BUDGET` plus `PASSES` times their number. A tessellation needs a handful of passes. A
+/// Budget of compared vertices: `MIN_BUDGET_VERTICES` plus `MAX_PASSES` times their number. A tessellation needs a handful of passes. A
 /// sheet with a defect could need as many passes as it has vertices; when its budget is used up, the search keeps the
 /// groups found until then.
-const BUDGET: usize = 1_000_000;
-const PASSES: usize = 64;
+const MIN_BUDGET_VERTICES: usize = 1_000_000;
+const MAX_PASSES: usize = 64;
 
 /// A partition of the creases into groups that turn alike, with the sign of each crease in its group.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,14 +73,14 @@ impl CreaseGroups {
     /// Finds the groups as [`find`](Self::find) does; once `watch` is over, returns those found until then.
     #[must_use]
     pub fn find_until(pattern: &CreasePattern, watch: Watch<'_>) -> Self {
-        let (exact, kinds, worst) = Search::new(pattern, SAME_PLACE, watch).run();
-        let few = exact.len() <= FEW && !exact.is_trivial();
-        if few && worst <= FAR_BETTER * SAME_PLACE {
+        let (exact, kinds, worst) = Search::new(pattern, EXACT_TOLERANCE, watch).run();
+        let few = exact.len() <= MAX_FEW_GROUPS && !exact.is_trivial();
+        if few && worst <= FAR_BETTER_RATIO * EXACT_TOLERANCE {
             return exact;
         }
         let mut best = exact.clone();
         let mut finer = (exact, kinds);
-        for tolerance in ROUGH {
+        for tolerance in ROUGH_TOLERANCES {
             let rougher = Search::new(pattern, tolerance, watch).run();
             if watch.is_over() {
                 break;
@@ -98,7 +98,9 @@ impl CreaseGroups {
     /// Finds the groups that follow from the symmetries of exact coordinates.
     #[must_use]
     pub fn find_exact(pattern: &CreasePattern) -> Self {
-        Search::new(pattern, SAME_PLACE, Watch::default()).run().0
+        Search::new(pattern, EXACT_TOLERANCE, Watch::default())
+            .run()
+            .0
     }
 
     /// Returns the tolerance to which the symmetries hold, in median edges and radians.
@@ -110,13 +112,13 @@ impl CreaseGroups {
     /// Returns `true` if the symmetries hold only to a tolerance rougher than the rounding of exact coordinates.
     #[must_use]
     pub fn is_rough(&self) -> bool {
-        self.tolerance > SAME_PLACE
+        self.tolerance > EXACT_TOLERANCE
     }
 
     /// Makes a group of each crease: no symmetry is assumed.
     #[must_use]
     pub fn trivial(pattern: &CreasePattern) -> Self {
-        Self::from_sets(pattern, single(pattern), SAME_PLACE)
+        Self::from_sets(pattern, single(pattern), EXACT_TOLERANCE)
     }
 
     /// Makes groups from known memberships; `tolerance` (radians) is the largest difference of equal sectors.
@@ -225,7 +227,7 @@ impl CreaseGroups {
 /// Makes a set of each crease.
 fn single(pattern: &CreasePattern) -> SignedUnionFind {
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
-    SignedUnionFind::new(goals, SAME_GOAL)
+    SignedUnionFind::new(goals, SAME_GOAL_RAD)
 }
 
 /// A hinge as seen from a vertex.
@@ -249,7 +251,7 @@ impl Ray {
         };
         let goal = if flips { -self.goal } else { self.goal };
         let no_goal = goal.is_nan() && image.goal.is_nan();
-        letter == image.letter && (no_goal || (goal - image.goal).abs() <= SAME_GOAL)
+        letter == image.letter && (no_goal || (goal - image.goal).abs() <= SAME_GOAL_RAD)
     }
 }
 
@@ -377,7 +379,7 @@ impl<'a> Search<'a> {
             noted: vec![0; pattern.creases().len()],
             isometries: 0,
             worst: 0.0,
-            budget: BUDGET + PASSES * pattern.vertices().len(),
+            budget: MIN_BUDGET_VERTICES + MAX_PASSES * pattern.vertices().len(),
             watch,
         }
     }
@@ -416,7 +418,7 @@ impl<'a> Search<'a> {
     /// further isometry between them can give a new relation.
     fn is_told(&mut self, kind: &Kind, vertex: VertexId) -> bool {
         let [from, to] = [kind.vertex, vertex].map(VertexId::index);
-        let exact = self.tolerance <= SAME_PLACE;
+        let exact = self.tolerance <= EXACT_TOLERANCE;
         exact && kind.settled && self.orbits.related(from, to, false)
     }
 
@@ -459,7 +461,7 @@ impl<'a> Search<'a> {
                     return true;
                 }
                 if !known && self.may_compare() {
-                    if self.tolerance > SAME_PLACE {
+                    if self.tolerance > EXACT_TOLERANCE {
                         isometry = self.fitted(isometry, from);
                     }
                     known = self.is_symmetry(&isometry) && self.join(flips);
@@ -479,8 +481,8 @@ impl<'a> Search<'a> {
     /// Returns the largest difference (radians) between a star and the image of another star under an isometry that a
     /// single direction determines.
     fn star_tolerance(&self) -> f64 {
-        if self.tolerance > SAME_PLACE {
-            ROUGH_STAR * self.tolerance
+        if self.tolerance > EXACT_TOLERANCE {
+            ROUGH_STAR_FACTOR * self.tolerance
         } else {
             self.tolerance
         }
@@ -490,7 +492,7 @@ impl<'a> Search<'a> {
     /// the whole sheet: the error that a wrong direction causes grows with the distance.
     fn fitted(&mut self, mut isometry: Isometry, from: VertexId) -> Isometry {
         let vertices = self.pattern.vertices();
-        let reach = REACH * self.tolerance * self.pattern.median_edge();
+        let reach = REACH_TOLERANCES * self.tolerance * self.pattern.median_edge();
         let center = vertices[from.index()];
         let mut radius = 2.0 * self.pattern.median_edge();
         let mut pairs = Vec::new();

@@ -33,7 +33,7 @@ pub(crate) const MAX_RATE: f64 = 100.0;
 pub(crate) const MIN_SLACK: f64 = 1e-4;
 
 /// Rate in a solution above which a crease turns. Rates of solutions are 1 or more, or nearly 0.
-const TURNING_RATE: f64 = 0.5;
+const MIN_TURNING_RATE: f64 = 0.5;
 /// Length of the vector of all c of turning creases at which multipliers are free of errors.
 const PURE_RATIO: f64 = 1e-11;
 /// Largest number of iterations that remove errors from multipliers; some hundred are usual.
@@ -196,7 +196,7 @@ impl FlatConditions {
         let mut multipliers: Vec<f64> = rows.iter().map(multiplier).collect();
         let turning = active.iter().zip(&rates).filter(|(crease, rate)| {
             let signed = signs[**crease].abs() > 0.0;
-            !signed || rate.abs() > TURNING_RATE
+            !signed || rate.abs() > MIN_TURNING_RATE
         });
         let turning: Vec<usize> = turning.map(|(crease, _)| *crease).collect();
         self.purify(&turning, &mut multipliers);

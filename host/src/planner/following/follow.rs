@@ -98,7 +98,7 @@ const MAX_CORRECTION_RATIO: f64 = 0.3;
 /// motion then goes on as it came.
 const MIN_SIGHT_COSINE: f64 = 0.05;
 /// Cosine between two directions in a row below which the path turns a corner: one motion ends and another begins.
-const CORNER_COSINE: f64 = 0.5;
+const MAX_CORNER_COSINE: f64 = 0.5;
 /// Steps over a bifurcation, tried in the direction in which the path came, as fractions of the largest step.
 const LEAP_RATIOS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Length of a step that is no progress, as a fraction of the largest step.
@@ -229,7 +229,7 @@ impl PathFollower<'_, '_> {
         };
         let tangent = heading.direction;
         let came = self.came.as_ref();
-        let is_corner = came.is_some_and(|came| cosine(came, &tangent) < CORNER_COSINE);
+        let is_corner = came.is_some_and(|came| cosine(came, &tangent) < MAX_CORNER_COSINE);
         let here = if is_corner { &rest } else { &tangent };
         let here = Waypoint::new(self.angles.clone(), here.clone());
         self.waypoints.push(here);
@@ -426,7 +426,7 @@ fn arrive(
         }
         Target::Closed(target) => {
             let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
-            if cosine(&way, direction) < AHEAD_COSINE {
+            if cosine(&way, direction) < MIN_AHEAD_COSINE {
                 return None;
             }
             // The direction is projected backwards, as a hinge may arrive at its limit.
@@ -453,7 +453,7 @@ fn arrive(
 
 /// Cosine between the straight way to a configuration near by and the motion above which the configuration lies on that
 /// motion.
-const AHEAD_COSINE: f64 = 0.8;
+const MIN_AHEAD_COSINE: f64 = 0.8;
 
 /// Largest number of steps to the angles asked for along the closed configurations. Convergence is quadratic, at a rate
 /// set by how far the motion bends over the distance, so that few steps are needed.

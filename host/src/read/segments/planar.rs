@@ -10,10 +10,12 @@ use robust::{Coord, orient2d};
 
 use super::grid::Grid;
 use super::missing_border::missing_borders;
-use super::open_ends::{LineReach, OPEN, join_to_lines, join_to_vertices, remove_open};
+use super::open_ends::{
+    LineReach, MAX_OF_DIAGONAL_RATIO, join_to_lines, join_to_vertices, remove_open,
+};
 use super::places::Places;
 use super::repairs::Repairs;
-use super::{MOST, Segment};
+use super::{MAX_LINES, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
@@ -32,13 +34,13 @@ const ROUNDING_RATIO: f64 = 1e-9;
 
 /// Budget of proximity tests: the first number for each line, but in all at least the second. If all lines are in one
 /// place, each is near all others. Tessellations need some hundreds for each line.
-const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
+const MAX_LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
 /// Largest number of rounds of splitting. A split moves lines by up to the tolerance, which may make them cross anew.
-const ROUNDS: usize = 8;
+const MAX_SPLITTING_ROUNDS: usize = 8;
 
 /// Largest number of rounds of joining open ends. An end that is joined may move a line to which another end was joined.
-const JOINS: usize = 4;
+const MAX_JOINING_ROUNDS: usize = 4;
 
 /// Precedence of a letter where lines lie on each other; the line of the highest precedence is kept. A border ranks
 /// below creases: on the rim the faces alone show that it is a border, and inside the sheet the line drawn to be cut or
@@ -62,7 +64,7 @@ pub(super) fn planar(
     asked: Option<f64>,
     watch: Watch<'_>,
 ) -> Option<(Drawing, Repairs)> {
-    if segments.len() > MOST {
+    if segments.len() > MAX_LINES {
         return None;
     }
     let ends = segments.iter().flat_map(|segment| segment.ends);
@@ -96,7 +98,7 @@ pub(super) fn planar(
         pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     }
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
-    for _ in 0..JOINS {
+    for _ in 0..MAX_JOINING_ROUNDS {
         let to_vertices =
             join_to_vertices(&mut places, &mut pieces, diagonal, &mut repairs, &mut looks)?;
         let within = LineReach::Only { diagonal };
@@ -116,8 +118,12 @@ pub(super) fn planar(
     }
     // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
-    repairs.missing_borders =
-        missing_borders(&places.points, &pieces, 2.0 * tolerance, OPEN * diagonal);
+    repairs.missing_borders = missing_borders(
+        &places.points,
+        &pieces,
+        2.0 * tolerance,
+        MAX_OF_DIAGONAL_RATIO * diagonal,
+    );
     repairs.removed = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
 }
@@ -156,7 +162,7 @@ pub(super) struct Looks<'a> {
 impl<'a> Looks<'a> {
     /// Returns the budget for a drawing of `lines` lines.
     pub(super) fn for_lines(lines: usize, watch: Watch<'a>) -> Self {
-        let left = LOOKS[1].max(LOOKS[0] * lines);
+        let left = MAX_LOOKS[1].max(MAX_LOOKS[0] * lines);
         Self { left, watch }
     }
 
@@ -178,7 +184,7 @@ fn cut_up(
     looks: &mut Looks<'_>,
 ) -> Option<()> {
     let tolerance = places.tolerance;
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_SPLITTING_ROUNDS {
         let before = places.points.len();
         for crossing in crossings(&places.points, pieces, tolerance, looks)? {
             places.at(crossing);
@@ -302,7 +308,7 @@ fn crossings(
                 }
                 found.extend(crossing(one, line(points, &pieces[other]), tolerance));
             }
-            too_many |= found.len() > MOST || looks.are_used_up();
+            too_many |= found.len() > MAX_LINES || looks.are_used_up();
         });
         if too_many {
             return None;
@@ -367,7 +373,7 @@ fn split(places: &Places, pieces: &[DrawnEdge], looks: &mut Looks<'_>) -> Option
             });
             from = to;
         }
-        if result.len() > MOST || looks.are_used_up() {
+        if result.len() > MAX_LINES || looks.are_used_up() {
             return None;
         }
     }

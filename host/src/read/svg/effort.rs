@@ -8,18 +8,18 @@ use std::collections::HashMap;
 use usvg::roxmltree::{Document, Node};
 
 /// Largest number of bytes that entities may expand to, if every reference expands to all entity texts.
-const ENTITIES: usize = 1 << 28;
+const MAX_ENTITY_BYTES: usize = 1 << 28;
 
 /// Largest number of namespace declarations: each element that declares a namespace has a list of all that are in
 /// scope.
-const NAMESPACES: usize = 1 << 13;
+const MAX_NAMESPACES: usize = 1 << 13;
 
 /// Largest number of elements, uses expanded. usvg takes about a kilobyte for each.
-const ELEMENTS: u64 = 1 << 19;
+const MAX_ELEMENTS: u64 = 1 << 19;
 
 /// Largest sum of the bytes of attributes and the cubics that arcs are made of, uses expanded. usvg takes about 50
 /// bytes for each of them in a long path.
-const ATTRIBUTES: u64 = 1 << 25;
+const MAX_ATTRIBUTE_BYTES: u64 = 1 << 25;
 
 /// Attributes that bound the size of an arc.
 const LENGTHS: [&str; 11] = [
@@ -27,10 +27,10 @@ const LENGTHS: [&str; 11] = [
 ];
 
 /// Largest depth of nested elements, uses expanded: usvg recurses once for each level.
-const LEVELS: u64 = 256;
+const MAX_LEVELS: u64 = 256;
 
 /// Largest number of comparisons of selectors with elements.
-const COMPARISONS: u64 = 1 << 30;
+const MAX_COMPARISONS: u64 = 1 << 30;
 
 /// Checks a text before it is parsed. The error describes the excess.
 pub(super) fn of_text(text: &str) -> Result<(), String> {
@@ -41,11 +41,13 @@ pub(super) fn of_text(text: &str) -> Result<(), String> {
         .sum();
     let references = text.bytes().filter(|byte| *byte == b'&').count();
     let grown = entities.saturating_mul(256).saturating_mul(references);
-    if grown > ENTITIES {
+    if grown > MAX_ENTITY_BYTES {
         return Err("entities that could grow beyond all bounds".into());
     }
-    if text.matches("xmlns").take(NAMESPACES + 1).count() > NAMESPACES {
-        return Err(format!("more than {NAMESPACES} declarations of namespaces"));
+    if text.matches("xmlns").take(MAX_NAMESPACES + 1).count() > MAX_NAMESPACES {
+        return Err(format!(
+            "more than {MAX_NAMESPACES} declarations of namespaces"
+        ));
     }
     Ok(())
 }
@@ -70,18 +72,20 @@ pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
         attributes,
         levels,
     } = expanded(document)?;
-    if levels > LEVELS {
+    if levels > MAX_LEVELS {
         return Err(format!(
-            "more than {LEVELS} levels of elements, each use counted"
+            "more than {MAX_LEVELS} levels of elements, each use counted"
         ));
     }
-    if elements > ELEMENTS {
-        return Err(format!("more than {ELEMENTS} elements, each use counted"));
+    if elements > MAX_ELEMENTS {
+        return Err(format!(
+            "more than {MAX_ELEMENTS} elements, each use counted"
+        ));
     }
-    if attributes > ATTRIBUTES {
+    if attributes > MAX_ATTRIBUTE_BYTES {
         return Err(format!(
             "more than {} MiB of attributes and of arcs, each use counted",
-            ATTRIBUTES >> 20
+            MAX_ATTRIBUTE_BYTES >> 20
         ));
     }
     let styles = document.descendants().filter(|n| n.has_tag_name("style"));
@@ -89,7 +93,7 @@ pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
     let once: u64 = styles
         .map(|style| comparisons(style, levels))
         .fold(0, u64::saturating_add);
-    if once.saturating_mul(elements) > COMPARISONS {
+    if once.saturating_mul(elements) > MAX_COMPARISONS {
         return Err(
             "style sheets whose selectors take too long to compare with its elements".into(),
         );

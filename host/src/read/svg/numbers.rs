@@ -9,7 +9,7 @@ use crate::read::error::{Wrong, quoted};
 
 /// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or
 /// added to.
-const LARGEST: f64 = 1e30;
+const MAX_NUMBER: f64 = 1e30;
 
 /// Returns an error at the first number that is invalid or too large.
 pub(super) fn check(document: &Document<'_>) -> Result<(), Wrong> {
@@ -48,7 +48,7 @@ fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Resu
     let place = document.text_pos_at(written.start + within);
     Err((
         format!("line {}, column {}", place.row, place.col),
-        format!("{name} to be {what} from -{LARGEST:e} to {LARGEST:e}"),
+        format!("{name} to be {what} from -{MAX_NUMBER:e} to {MAX_NUMBER:e}"),
         match &value[at..] {
             "" => "its end".into(),
             found => quoted(found),
@@ -76,7 +76,7 @@ fn data(value: &str) -> Right {
 }
 
 fn small(number: f64) -> Right {
-    (number <= LARGEST).then_some(()).ok_or(0)
+    (number <= MAX_NUMBER).then_some(()).ok_or(0)
 }
 
 /// Returns the number of characters before an error. The parser counts characters from 1.
