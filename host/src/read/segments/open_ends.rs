@@ -36,9 +36,9 @@ fn degrees(vertices: usize, pieces: &[DrawnEdge]) -> Vec<usize> {
 }
 
 /// Joins each open end to the only vertex that it can have been meant to meet. The vertex must lie within a twentieth
-/// of the line's length and within [`MAX_OF_DIAGONAL_RATIO`] of the diagonal, and the next vertex must be at least twice as far. A line
-/// that goes too far past another leaves a short open end, which stays open and is left out later. Returns `true` if
-/// any end was joined, and `None` if the budget of proximity tests is used up.
+/// of the line's length and within [`MAX_OF_DIAGONAL_RATIO`] of the diagonal, and the next vertex must be at least twice
+/// as far. A line that goes too far past another leaves a short open end, which stays open and is left out later. Returns
+/// `true` if any end was joined, and `None` if the budget of proximity tests is used up.
 pub(super) fn join_to_vertices(
     places: &mut Places,
     pieces: &mut [DrawnEdge],
