@@ -124,7 +124,7 @@ pub struct Controller<
     asks: bool,
     asked: u64,
     /// Time of the last answer that was no report.
-    greeted: Option<u64>,
+    greeted_at: Option<u64>,
     snapshot: Snapshot<GROUPS>,
     window: Window,
     deframer: Deframer<FRAME>,
@@ -179,7 +179,7 @@ impl<
             telemetry: 0,
             asks: false,
             asked: 0,
-            greeted: None,
+            greeted_at: None,
             snapshot: Snapshot::none(),
             window: Window::new(),
         }
@@ -191,7 +191,7 @@ impl<
     pub fn restore(&mut self, record: &Record<GROUPS>, held: bool) {
         let angles = if held { record.angles() } else { &[] };
         let follower = &mut self.loader.follower;
-        let _ = follower.stand(angles, record.place, record.astray);
+        let _ = follower.stand(angles, record.place, record.off_path);
         (self.loader.path, self.loader.on) = (record.path, record.sheet);
         if record.stopped {
             self.loader.follower.hold(Reason::StopLine);
@@ -208,7 +208,7 @@ impl<
         (record.starts, record.count) = (starts, count);
         record.stopped = self.loader.follower.is_stopped();
         record.fault = self.loader.follower.fault();
-        record.astray = self.loader.follower.is_astray();
+        record.off_path = self.loader.follower.is_off_path();
         record.place = self.loader.follower.position();
         (record.path, record.sheet) = (self.loader.path, self.loader.on);
         record.stand(self.loader.follower.angles());
@@ -460,7 +460,7 @@ impl<
             let reports = self.receiver.reports();
             let since = |then| now.saturating_sub(then);
             let early = self
-                .greeted
+                .greeted_at
                 .is_some_and(|then| since(then) < MIN_GREETING_US);
             if P::KEYED && !reports && early {
                 break;
@@ -472,7 +472,7 @@ impl<
                 return;
             }
             if !reports {
-                self.greeted = Some(now);
+                self.greeted_at = Some(now);
             }
             self.receiver.sent();
             self.told = Some((state, reason, room, stopped));

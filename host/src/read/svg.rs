@@ -11,7 +11,7 @@
 //! programs write as many.
 
 mod colour;
-mod effort;
+mod limits;
 mod numbers;
 
 use core::f64::consts::PI;
@@ -111,7 +111,7 @@ fn colours_without_lines(strokes: &[Stroke], chosen: &ColourLetters) -> Vec<Stri
 /// Checks that the text of an XML file asks for a bounded amount of work.
 pub(super) fn check_text(text: &str) -> Result<(), Wrong> {
     let wrong = |found| ("the drawing".into(), "less of it".into(), found);
-    effort::of_text(text).map_err(wrong)
+    limits::of_text(text).map_err(wrong)
 }
 
 /// Style sheet that spares usvg needless work: only the course of strokes is read.
@@ -140,7 +140,7 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
         return Err(no_drawing(place(root), found));
     }
     numbers::check(&document)?;
-    effort::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
+    limits::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
     let options = Options {
         // No other file is opened.
         image_href_resolver: ImageHrefResolver {

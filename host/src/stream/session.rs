@@ -416,8 +416,8 @@ impl Session<'_> {
         if !rests {
             return None;
         }
-        if let Some(place) = self.driver.astray() {
-            return Some((Outcome::Held, Ending::Astray(place.knot)));
+        if let Some(place) = self.driver.off_path() {
+            return Some((Outcome::Held, Ending::OffPath(place.knot)));
         }
         if let Some(item) = report.refused {
             let (knot, room) = (self.knot(), sender.capacity().unwrap_or_default());

@@ -10,7 +10,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::CreaseGroups;
 use super::isometry::StarImage;
-use super::unrounded::unround;
+use super::snapping::snap;
 use crate::pattern::{CreaseId, CreasePattern, VertexId};
 use crate::util::csr::Csr;
 use crate::util::nan_max::largest;
@@ -175,12 +175,12 @@ impl ReducedStars {
     /// their coordinates were rounded. Returns the stars and the largest angle (radians) by which a spoke is turned, 0
     /// if none is.
     #[must_use]
-    pub fn unrounded(&self, within: f64) -> (Self, f64) {
+    pub fn snapped(&self, within: f64) -> (Self, f64) {
         let mut most = 0.0_f64;
         let mut rounded = Vec::with_capacity(self.spokes.len());
         let stars = self.spokes.iter().enumerate().map(|(star, spokes)| {
             let mut spokes = spokes.to_vec();
-            let turns = unround(&mut spokes, within);
+            let turns = snap(&mut spokes, within);
             most = turns.iter().copied().fold(most, f64::max);
             // A crease whose direction is off by an angle changes the residual by at most twice that angle.
             let before = self.rounded.get(star).copied().unwrap_or(0.0);
@@ -188,13 +188,13 @@ impl ReducedStars {
             spokes
         });
         let spokes = stars.collect();
-        let unrounded = Self {
+        let snapped = Self {
             spokes,
             rounded,
             likeness: OnceLock::new(),
             ..self.clone()
         };
-        (unrounded, most)
+        (snapped, most)
     }
 
     /// Keeps the stars that are the first of their class, and every loop.

@@ -7,7 +7,7 @@ mod groups;
 mod isometry;
 mod places;
 mod signed_union_find;
-mod unrounded;
+mod snapping;
 
 pub use essential::{ReducedStars, closure_of, largest_star_residual};
 pub use essential_pattern::essential_pattern;

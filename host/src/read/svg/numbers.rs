@@ -4,7 +4,7 @@
 use svgtypes::{Error, Length, NumberListParser, PathParser};
 use usvg::roxmltree::{Document, Node};
 
-use super::effort::sum;
+use super::limits::sum;
 use crate::read::error::{Wrong, quoted};
 
 /// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or

@@ -26,7 +26,7 @@ const RANK_RATIO: f64 = 1e-9;
 /// Turns the spokes by least angles such that every set of spokes folds flat exactly that nearly does, with an error of
 /// at most `within` (radians) for each two spokes. Returns the angle (radians) by which each spoke is turned. A star in
 /// which two spokes nearly point the same way is left as it is.
-pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
+pub(super) fn snap(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
     let bearings: Vec<f64> = spokes.iter().map(bearing).collect();
     let n = bearings.len();
     let sector = |k: usize| bearings[if k + 1 < n { k + 1 } else { 0 }] - bearings[k];
@@ -147,7 +147,7 @@ mod tests {
                 .map(|(meant, off)| meant + scale * off);
             let mut spokes = star(&rounded.collect::<Vec<_>>());
             assert_eq!(flat(&spokes), [[0; 0]; 0]);
-            let turned = unround(&mut spokes, 1e-4);
+            let turned = snap(&mut spokes, 1e-4);
             let turned = turned.into_iter().fold(0.0, f64::max).to_degrees();
             assert!(turned > 0.0 && turned <= scale, "{meant:?}: {turned:e}");
             assert!(!flat(&spokes).is_empty());
@@ -159,7 +159,7 @@ mod tests {
     fn what_is_far_from_it_is_left_to_the_last_bit() {
         for bearings in [&[0.0, 50.0, 170.0, 300.0][..], &[0.0, 1e-4, 180.0, 270.0]] {
             let mut spokes = star(bearings);
-            assert!(unround(&mut spokes, 1e-4).iter().all(|turn| *turn <= 0.0));
+            assert!(snap(&mut spokes, 1e-4).iter().all(|turn| *turn <= 0.0));
             let same = spokes.iter().zip(star(bearings));
             let bits = |spoke: &Spoke<f64>| spoke.direction.map(f64::to_bits);
             assert!(same.clone().all(|(a, b)| bits(a) == bits(&b)));
