@@ -109,12 +109,12 @@ impl JointTrajectory {
             .windows(2)
             .position(|pair| pair[0].time >= pair[1].time)
         {
-            return Err(FileError::Expected {
-                path: file.to_path_buf(),
-                place: "foldpath:time".into(),
-                expected: "knots that are at least a nanosecond apart".into(),
-                found: format!("two after {} s", samples[at].time),
-            });
+            let (place, expected) = (
+                "foldpath:time",
+                "knots that are at least a nanosecond apart",
+            );
+            let found = format!("two after {} s", samples[at].time);
+            return Err(FileError::expected(file, place, expected, found));
         }
         Ok(Self {
             joints: joints.collect(),
