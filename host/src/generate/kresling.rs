@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::{ParameterError, check_size, crease};
+use super::{ParameterError, check, check_size, crease, number};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// A flat conical Kresling pattern: a regular polygon of `columns` sides as central panel, and round it `rows` rings of
@@ -46,26 +46,19 @@ impl Kresling {
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
         check_size("rows", self.rows, 1)?;
         check_size("cols", self.columns, 2)?;
-        let error = |parameter, expected, size: usize| {
-            #[allow(clippy::cast_precision_loss, reason = "for a message")]
-            let found = size as f64;
-            ParameterError {
-                parameter,
-                expected,
-                found,
-            }
-        };
-        if self.columns < 4 || self.columns > MAX_SIDES || !self.columns.is_multiple_of(2) {
-            let expected = "an even number of sides from 4 to 24";
-            return Err(error("cols", expected, self.columns));
-        }
+        let is_allowed = (4..=MAX_SIDES).contains(&self.columns) && self.columns.is_multiple_of(2);
+        let expected = "an even number of sides from 4 to 24";
+        check(is_allowed, "cols", number(self.columns), expected)?;
         let mut flat = vec![Vector3::x()];
         let mut raised = flat.clone();
         for _ in 0..self.rows {
             let ring = self.next(flat[flat.len() - 1], raised[raised.len() - 1]);
             let Some((outer, outer_raised)) = ring else {
-                let expected = "as many rings as have a raised state, which are fewer";
-                return Err(error("rows", expected, self.rows));
+                return Err(ParameterError {
+                    parameter: "rows",
+                    expected: "as many rings as have a raised state, which are fewer",
+                    found: number(self.rows),
+                });
             };
             flat.push(outer);
             raised.push(outer_raised);
@@ -75,15 +68,12 @@ impl Kresling {
 
     /// Returns the angle of a side at the centre, radians.
     fn side(&self) -> f64 {
-        #[allow(clippy::cast_precision_loss, reason = "at most 24")]
-        let sides = self.columns as f64;
-        core::f64::consts::TAU / sides
+        core::f64::consts::TAU / number(self.columns)
     }
 
     /// Returns corner k of a polygon whose first corner is given: rotated, and reflected for odd k if `reflects`.
     fn corner(&self, first: Vector3<f64>, k: usize, reflects: bool) -> Vector3<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "at most 24")]
-        let angle = self.side() * k as f64;
+        let angle = self.side() * number(k);
         let mut corner = Rotation3::from_axis_angle(&Vector3::z_axis(), angle) * first;
         if reflects && k % 2 == 1 {
             corner.z = -corner.z;

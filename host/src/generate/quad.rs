@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::grid::{Grid, point};
-use super::{ParameterError, check_between, check_size};
+use super::{ParameterError, check, check_sizes};
 use crate::pattern::Drawing;
 
 /// Quad, the case of [XiLien2015](crate#references) that is not rigidly foldable: `rows` x `columns` slender
@@ -44,10 +44,10 @@ impl Quad {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         let small = "a fraction above 0 and at most 0.1";
-        check_between("fold", self.fold, [f64::MIN_POSITIVE, 0.1], small)?;
+        let is_small = (f64::MIN_POSITIVE..=0.1).contains(&self.fold);
+        check(is_small, "fold", self.fold, small)?;
         let (sin, cos) = Self::SHARP_RAD.sin_cos();
         let long = Vector2::new(cos, sin) * Self::LONG_SIDE_RATIO;
         let mut grid = Grid::new(self.columns, self.rows, |column, row| {

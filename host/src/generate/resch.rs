@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_size, crease};
+use super::{ParameterError, check_sizes, crease};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// Ron Resch's triangular tessellation: `rows` x `columns` stars, with smaller equilateral triangles between them. Each
@@ -49,8 +49,7 @@ impl Resch {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         let mut builder = DrawingBuilder::default();
         #[allow(clippy::cast_possible_truncation, reason = "at most 3000")]
         #[allow(clippy::cast_possible_wrap, reason = "at most 3000")]

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_between, check_fold, check_size, crease};
+use super::{ParameterError, check_angle, check_fold, check_sizes, crease};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// A tessellation of `rows` x `columns` square twists. A pleat of two parallel creases leaves each side of a unit
@@ -54,11 +54,9 @@ impl SquareTwist {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         check_fold(self.fold)?;
-        let degrees = self.angle.to_degrees();
-        check_between("angle", degrees, [1.0, 89.0], "1 to 89 degrees")?;
+        check_angle(self.angle)?;
         let mut drawing = Drawing::default();
         for row in 0..self.rows {
             for column in 0..self.columns {
