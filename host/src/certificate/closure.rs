@@ -16,7 +16,7 @@ use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarView, StarsView, clo
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
-use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
+use super::{LOOSE_RATIO, MAX_HALVINGS, Part, ROUNDING_FACTOR};
 use crate::util::parallel;
 
 /// About the time that bounding a curve, evaluating a curve, and bounding or evaluating the condition of a star takes.
@@ -88,7 +88,7 @@ pub struct SegmentCertifier {
     /// Half angle of each group at a point, with the norm of its quaternion over the lower bound.
     samples: Vec<(HalfAngle<f64>, f64)>,
     conditions: Vec<Condition>,
-    open: Vec<(u8, u32)>,
+    open: Vec<Part>,
     bounds: Closure,
 }
 
@@ -124,23 +124,20 @@ impl SegmentCertifier {
         self.bounds.loops.clear();
         self.bounds.loops.resize(loops.len(), [0.0; 2]);
         self.open.clear();
-        self.open.push((0, 0));
+        self.open.push(Part::default());
         // Largest residuals seen: of rotations, and of translations.
         let mut seen = [0.0; 2];
-        while let Some((depth, index)) = self.open.pop() {
-            let length = 1.0 / f64::from(1_u32 << depth);
-            let part = [f64::from(index), f64::from(index + 1)].map(|end| end * length);
-            self.prepare(stars, loops, curves, part);
+        while let Some(part) = self.open.pop() {
+            self.prepare(stars, loops, curves, part.ends());
             let points = self.enough_points();
             let known = self.pieces.iter().all(|piece| piece.least > 0.0);
             if known {
-                self.evaluate(stars, loops, curves, part, points);
+                self.evaluate(stars, loops, curves, part.ends(), points);
             }
-            if depth == MAX_HALVINGS || known && self.is_tight(points, &mut seen) {
+            if part.depth == MAX_HALVINGS || known && self.is_tight(points, &mut seen) {
                 self.accept(points);
             } else {
-                let halves = [(depth + 1, 2 * index + 1), (depth + 1, 2 * index)];
-                self.open.extend(halves);
+                self.open.extend(part.halves());
             }
         }
         &self.bounds

@@ -14,7 +14,7 @@ use foldpath_core::{Curve, Membership};
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
-use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
+use super::{LOOSE_RATIO, MAX_HALVINGS, Part, ROUNDING_FACTOR};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, Step, rounding};
 use crate::pattern::CreasePattern;
 use crate::util::parallel;
@@ -122,12 +122,10 @@ impl<'a> Folded<'a> {
 
     fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let enough = most / 2.0;
-        let mut open = vec![(0_u8, 0_u32)];
+        let mut open = vec![Part::default()];
         let (mut seen, mut worst) = (Rigidity::default(), Rigidity::default());
-        while let Some((depth, index)) = open.pop() {
-            let length = 1.0 / f64::from(1_u32 << depth);
-            let part = [f64::from(index), f64::from(index + 1)].map(|end| end * length);
-            let growth = self.prepare(curves, part);
+        while let Some(part) = open.pop() {
+            let growth = self.prepare(curves, part.ends());
             let serves = |points: &Points| {
                 let mut errors = growth.iter().map(|(g, _)| points.error(&self.radii, g));
                 errors.all(|error| {
@@ -135,9 +133,9 @@ impl<'a> Folded<'a> {
                 })
             };
             let points = self.points.iter().position(serves);
-            let last = depth == MAX_HALVINGS;
+            let last = part.depth == MAX_HALVINGS;
             if let Some(points) = points.or(last.then_some(self.points.len() - 1)) {
-                let bound = self.bound(curves, part, points, &growth, &mut seen);
+                let bound = self.bound(curves, part.ends(), points, &growth, &mut seen);
                 let within = |found: Rigidity| found.worst() <= most;
                 if !within(seen) || last && !within(bound) {
                     return None;
@@ -147,7 +145,7 @@ impl<'a> Folded<'a> {
                     continue;
                 }
             }
-            open.extend([(depth + 1, 2 * index + 1), (depth + 1, 2 * index)]);
+            open.extend(part.halves());
         }
         (worst.worst() <= most).then_some(worst)
     }

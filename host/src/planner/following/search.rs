@@ -51,16 +51,13 @@ pub(crate) fn search(
             break None;
         }
         let last = match closed {
-            Some(closed) if max_difference(closed, here) <= max_step => Some(closed.to_vec()),
-            None if longest <= max_step => {
-                let last = approach(solver, here.clone(), asked);
-                let is_last = norm(&way_to(asked, &last)) <= REACHED_RAD
-                    && max_difference(&last, here) <= max_step
-                    && rules.allow(here, &last)
-                    && feasible(&last);
-                is_last.then_some(last)
+            Some(closed) => {
+                Some(closed.to_vec()).filter(|_| max_difference(closed, here) <= max_step)
             }
-            _ => None,
+            None if longest <= max_step => {
+                last_step(solver, here, asked, rules).filter(|it| feasible(it))
+            }
+            None => None,
         };
         if let Some(last) = last {
             knots.push(last);
@@ -92,6 +89,20 @@ pub(crate) fn search(
         waypoints: polyline(&knots),
         stop,
     }
+}
+
+/// Returns the configuration with the angles asked for, if one step leads to it.
+fn last_step(
+    solver: &mut ClosureSolver<'_>,
+    here: &[f64],
+    asked: &[Option<f64>],
+    rules: Rules<'_>,
+) -> Option<Vec<f64>> {
+    let last = approach(solver, here.to_vec(), asked);
+    let is_last = norm(&way_to(asked, &last)) <= REACHED_RAD
+        && max_difference(&last, here) <= rules.max_step
+        && rules.allow(here, &last);
+    is_last.then_some(last)
 }
 
 /// The radius round a configuration within which samples are drawn, which adapts to their success.
