@@ -112,7 +112,7 @@
 //! [`unfold`](unfold::unfold) makes the crease pattern of a folded shape, with the fold angles measured on that shape:
 //!
 //! ```
-//! use foldpath::folding::{FoldingMap, SpanningTree};
+//! use foldpath::folding::FoldingMap;
 //! use foldpath::generate::Miura;
 //! use foldpath::pattern::CreasePattern;
 //! use foldpath::unfold::{FoldedShape, Outcome, UnfoldOptions, unfold};
@@ -120,8 +120,7 @@
 //! let miura = Miura { rows: 4, columns: 4, sector_angle: 60_f64.to_radians(), fold: 0.9 };
 //! let pattern = CreasePattern::new(miura.drawing()?)?;
 //! let angles: Vec<f64> = pattern.creases().iter().filter_map(|edge| pattern.edge(*edge).goal).collect();
-//! let tree = SpanningTree::from_central_face(&pattern);
-//! let folded = FoldingMap::new(&pattern, &tree, &angles);
+//! let folded = FoldingMap::new(&pattern, pattern.tree(), &angles);
 //!
 //! let shape = FoldedShape {
 //!     vertices: folded.vertices().to_vec(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use foldpath::check::check_watched;
 use foldpath::export::fold::motion_text;
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::motion::{Knot, Motion};
 use foldpath::plot::{Curves, svg};
 use foldpath::request::{CheckJson, CheckRequest, Request};
@@ -130,12 +130,12 @@ impl Path {
     /// Positions of the vertices at times (seconds): (T, V, 3) numbers.
     fn vertices<'py>(&self, py: Python<'py>, times: &[u8]) -> Bound<'py, PyByteArray> {
         let motion = &self.motion;
-        let tree = SpanningTree::from_central_face(&motion.pattern);
+        let tree = motion.pattern.tree();
         let members = motion.memberships();
         let mut map = FoldingMap::flat(&motion.pattern);
         let shapes = from_bytes(times).flat_map(|time| {
             let angles = motion.at(time).angles;
-            map.fold_groups(&motion.pattern, &tree, &members, &angles);
+            map.fold_groups(&motion.pattern, tree, &members, &angles);
             let vertices = map.vertices().iter();
             vertices
                 .flat_map(|vertex| [vertex.x, vertex.y, vertex.z])

@@ -28,7 +28,7 @@ pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
 use crate::collision::{Crossing, contact_tolerance};
-use crate::folding::{DEFAULT_BOUND, Rigidity, SpanningTree};
+use crate::folding::{DEFAULT_BOUND, Rigidity};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
 use crate::progress::{Progress, Stage, Watch};
@@ -242,9 +242,9 @@ pub fn check_watched(path: &Motion, options: &CheckOptions, progress: &Progress)
 
 pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Watch<'_>) -> Verdict {
     watch.begin(Stage::Folding);
-    let tree = SpanningTree::from_central_face(&path.pattern);
+    let tree = path.pattern.tree();
     let mut verdict = Verdict {
-        knots: measure(path, &tree),
+        knots: measure(path, tree),
         contact_tolerance: (options.contact).unwrap_or_else(|| contact_tolerance(&path.pattern)),
         ..Verdict::default()
     };
@@ -280,12 +280,12 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     // Numbers that overflow have been found by now.
     if motion.is_finite() {
         watch.begin(Stage::Closure);
-        between::check_closure(path, &tree, &motion, options, watch, &mut verdict);
+        between::check_closure(path, tree, &motion, options, watch, &mut verdict);
         watch.begin(Stage::Folding);
-        between::check_shapes(path, &tree, &motion, options, watch, &mut verdict);
+        between::check_shapes(path, tree, &motion, options, watch, &mut verdict);
         if options.sweep {
             watch.begin(Stage::Crossings);
-            between::check_crossings(path, &tree, &motion, options, watch, &mut verdict);
+            between::check_crossings(path, tree, &motion, options, watch, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);

@@ -4,7 +4,6 @@ use core::fmt::Write;
 
 use nalgebra::Vector2;
 
-use crate::folding::SpanningTree;
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::union_find::UnionFind;
 
@@ -34,9 +33,9 @@ pub(super) struct Panels {
 
 impl Panels {
     /// Finds the panels. The tree that joins them has the hinges `first`, as far as these make no loop, and otherwise
-    /// those of [`SpanningTree::from_central_face`] as far as possible; its root is the panel of the central face.
+    /// those of [`CreasePattern::tree`] as far as possible; its root is the panel of the central face.
     pub(super) fn of(pattern: &CreasePattern, first: &[EdgeId]) -> Self {
-        let tree = SpanningTree::from_central_face(pattern);
+        let tree = pattern.tree();
         let steps = tree.steps().iter().chain(tree.loops());
         let steps = steps.map(|step| step.edge);
         let mut panels = Self::of_sets(pattern);

@@ -1,8 +1,6 @@
 //! Bounds the ratio of the errors of a folded sheet to the closure residuals of its vertices.
 
-use super::map::Rigidity;
-use super::tree::SpanningTree;
-use crate::pattern::{CreasePattern, EdgeId, Passage};
+use crate::pattern::{CreasePattern, EdgeId, Passage, Rigidity, SpanningTree};
 
 /// Returns bounds on gap, deformation and twist of the whole sheet folded along this tree, each per closure residual: no
 /// error is larger than its factor times the largest residual |r(v)| of a real vertex. `None` as for

@@ -66,7 +66,7 @@ pub(crate) fn fold_angle(left: &Vector3<f64>, right: &Vector3<f64>, side: &Vecto
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::folding::{FoldingMap, SpanningTree};
+    use crate::folding::FoldingMap;
     use crate::generate::Miura;
 
     /// Angles enter the folding map as half angles, and are measured by cross products.
@@ -81,8 +81,8 @@ mod tests {
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
         let goal = |edge: &EdgeId| pattern.edge(*edge).goal.unwrap();
         let goals: Vec<f64> = pattern.creases().iter().map(goal).collect();
-        let tree = SpanningTree::from_central_face(&pattern);
-        let map = FoldingMap::new(&pattern, &tree, &goals);
+        let tree = pattern.tree();
+        let map = FoldingMap::new(&pattern, tree, &goals);
         let all = Dihedral::all(&pattern);
         assert_eq!(
             all.len(),

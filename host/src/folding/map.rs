@@ -4,9 +4,8 @@
 use foldpath_core::{HalfAngle, Membership, Rotation, closure};
 use nalgebra::Vector3;
 
-use super::tree::{SpanningTree, Step};
 use crate::lattice::Pose;
-use crate::pattern::{CreaseId, CreasePattern, FaceId, VertexId};
+use crate::pattern::{CreaseId, CreasePattern, FaceId, Rigidity, SpanningTree, Step, VertexId};
 use crate::util::nan_max::{larger, largest};
 use crate::util::range::Range;
 
@@ -14,36 +13,6 @@ use crate::util::range::Range;
 pub const BOUND: Range = Range::above("a fraction", 0.0).up_to(1.0);
 /// The bound of those who choose none.
 pub const DEFAULT_BOUND: f64 = 0.01;
-
-/// Deviation of a configuration from folding the sheet rigidly.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rigidity {
-    /// Largest relative change of length of an edge or a virtual edge.
-    pub deformation: f64,
-    /// Largest distance between two positions that faces give the same vertex, over the median edge.
-    pub gap: f64,
-    /// Largest rotation, in radians, by which two faces at an edge deviate from its fold angle. Round a vertex
-    /// this is its misclosure; positions alone do not show it if both ends of the edge coincide.
-    pub twist: f64,
-}
-
-impl Rigidity {
-    /// Returns the largest of the three.
-    #[must_use]
-    pub fn worst(self) -> f64 {
-        larger(larger(self.deformation, self.gap), self.twist)
-    }
-
-    /// Returns the larger value of both, for each of the three.
-    #[must_use]
-    pub fn worse(self, other: Self) -> Self {
-        Self {
-            deformation: larger(self.deformation, other.deformation),
-            gap: larger(self.gap, other.gap),
-            twist: larger(self.twist, other.twist),
-        }
-    }
-}
 
 /// The folding map at one configuration: a pose for each face. Reused from one configuration to the next, so
 /// that a path allocates once.
@@ -288,7 +257,7 @@ mod tests {
     use foldpath_core::GroupId;
 
     /// Returns a sheet and groups of its creases, three in turn, every fifth crease against its group.
-    fn sheet() -> (CreasePattern, SpanningTree, Vec<Membership>) {
+    fn sheet() -> (CreasePattern, Vec<Membership>) {
         let miura = Miura {
             rows: 5,
             columns: 6,
@@ -296,25 +265,24 @@ mod tests {
             fold: 0.5,
         };
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
-        let tree = SpanningTree::from_central_face(&pattern);
         let creases = 0..u32::try_from(pattern.creases().len()).unwrap();
         let memberships = creases.map(|crease| Membership {
             group: GroupId(crease % 3),
             negative: crease % 5 == 0,
         });
         let memberships = memberships.collect();
-        (pattern, tree, memberships)
+        (pattern, memberships)
     }
 
     /// The angles close nowhere: faces, vertices and edges are all displaced, and each measure is the largest
     /// of all that it is defined for.
     #[test]
     fn a_torn_sheet_is_measured_as_defined() {
-        let (pattern, tree, memberships) = sheet();
+        let (pattern, memberships) = sheet();
         let angles = [0.3, -1.1, 2.0];
         let mut map = FoldingMap::flat(&pattern);
-        map.fold_groups(&pattern, &tree, &memberships, &angles);
-        let rigidity = map.rigidity(&pattern, &tree);
+        map.fold_groups(&pattern, pattern.tree(), &memberships, &angles);
+        let rigidity = map.rigidity(&pattern, pattern.tree());
 
         let rotated = |face: &FaceId, v: usize| {
             let Pose { r_wf, p_w, .. } = map.poses()[face.index()];
@@ -348,25 +316,25 @@ mod tests {
 
     #[test]
     fn groups_fold_as_their_creases_do() {
-        let (pattern, tree, memberships) = sheet();
+        let (pattern, memberships) = sheet();
         let angles = [0.3, -1.1, PI];
         let creases = memberships.iter();
         let creases: Vec<_> = creases.map(|m| m.apply(angles[m.group.index()])).collect();
-        let single = FoldingMap::new(&pattern, &tree, &creases);
+        let single = FoldingMap::new(&pattern, pattern.tree(), &creases);
         let mut grouped = FoldingMap::flat(&pattern);
-        grouped.fold_groups(&pattern, &tree, &memberships, &angles);
+        grouped.fold_groups(&pattern, pattern.tree(), &memberships, &angles);
         assert_eq!(single.poses(), grouped.poses());
     }
 
     #[test]
     fn a_broken_map_never_passes_for_a_good_one() {
-        let (pattern, tree, memberships) = sheet();
-        let map = FoldingMap::new(&pattern, &tree, &vec![f64::NAN; memberships.len()]);
+        let (pattern, memberships) = sheet();
+        let map = FoldingMap::new(&pattern, pattern.tree(), &vec![f64::NAN; memberships.len()]);
         let Rigidity {
             deformation,
             gap,
             twist,
-        } = map.rigidity(&pattern, &tree);
+        } = map.rigidity(&pattern, pattern.tree());
         assert!(deformation.is_nan() && gap.is_nan() && twist.is_nan());
     }
 }

@@ -4,23 +4,20 @@
 mod amplification;
 mod dihedral;
 mod fit;
-mod holonomy;
 mod map;
 mod plane;
 mod rounding;
 mod shapes;
-mod tree;
 
 pub use amplification::{amplification, worst_amplification};
 pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::vertices_of_sheets;
 pub use fit::{align_rigid, align_sheets, fit};
-pub use holonomy::{Holonomy, Tear};
-pub use map::{BOUND, DEFAULT_BOUND, FoldingMap, Rigidity, deformation};
+pub use map::{BOUND, DEFAULT_BOUND, FoldingMap, deformation};
 pub(crate) use plane::in_plane;
 pub use rounding::rounding;
 pub use shapes::{STEP, deformation_of_faces, shapes};
-pub use tree::{SpanningTree, Step};
 
 pub use crate::lattice::Pose;
+pub use crate::pattern::{Holonomy, Rigidity, SpanningTree, Step, Tear};

@@ -1,8 +1,6 @@
 //! Bounds the errors of a folded sheet that rounding alone causes.
 
-use super::map::Rigidity;
-use super::tree::SpanningTree;
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, Rigidity, SpanningTree};
 
 /// Rounding errors of a step of the folding map, in units of ε times the length: of a rotated vector by half angle,
 /// axis, product and normalisation of quaternions (`TURN_EPS`), of one rotation of the pivot (`PIVOT_EPS`), and of sums

@@ -16,10 +16,10 @@ pub const STEP: f64 = 0.1;
 /// sheet as a whole stays where it is while it folds. Cost: O(faces) for each knot.
 pub fn shapes(motion: &Motion) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     let pattern = &motion.pattern;
-    let tree = SpanningTree::from_central_face(pattern);
+    let tree = pattern.tree();
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
     (0..motion.knots.len()).scan(flat, move |before, knot| {
-        *before = align_sheets(pattern, &positions(motion, &tree, knot), before);
+        *before = align_sheets(pattern, &positions(motion, tree, knot), before);
         Some(before.clone())
     })
 }

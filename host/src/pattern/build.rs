@@ -1,6 +1,7 @@
 //! Builds a crease pattern from a drawing: performs every check and derives all further data.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::OnceLock;
 
 use nalgebra::Vector2;
 
@@ -81,6 +82,7 @@ impl CreasePattern {
             repairs: Vec::new(),
             lost: None,
             y_down: false,
+            tree: OnceLock::new(),
         };
         pattern.neighbours = pattern.find_neighbours();
         pattern.sheets = pattern.find_sheets();

@@ -1,8 +1,10 @@
 //! The crease pattern: immutable and checked, so that every reference in it is valid.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Vector2, Vector3};
 
-use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, VertexId};
+use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, SpanningTree, VertexId};
 use crate::util::csr::Csr;
 
 /// An edge of a crease pattern.
@@ -62,6 +64,8 @@ pub struct CreasePattern {
     pub(super) repairs: Vec<String>,
     pub(super) lost: Option<LostLines>,
     pub(super) y_down: bool,
+    /// The spanning tree of the faces, once requested.
+    pub(super) tree: OnceLock<SpanningTree>,
 }
 
 impl CreasePattern {
@@ -133,6 +137,12 @@ impl CreasePattern {
     #[must_use]
     pub fn stars(&self) -> &Csr<EdgeId> {
         &self.stars
+    }
+
+    /// Returns the spanning tree of the faces along which the sheet is folded. It is made once, at the first call.
+    pub fn tree(&self) -> &SpanningTree {
+        self.tree
+            .get_or_init(|| SpanningTree::from_central_face(self))
     }
 
     /// Returns the faces round each vertex.

@@ -3,7 +3,7 @@
 use foldpath_core::Membership;
 
 use crate::check::{CheckOptions, check_until_over, clearances_until_over, measure};
-use crate::folding::{Dihedral, SpanningTree, shapes};
+use crate::folding::{Dihedral, shapes};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::EdgeId;
 use crate::progress::{Progress, Watch};
@@ -159,9 +159,8 @@ fn measured(path: &Motion) -> Vec<Point> {
 
 /// Returns the clearance at times spaced evenly.
 fn clearance(path: &Motion, watch: Watch<'_>) -> Vec<Point> {
-    let tree = SpanningTree::from_central_face(&path.pattern);
     let shapes = path.resampled(CLEARANCES);
-    let found = clearances_until_over(path, &shapes, &measure(&shapes, &tree), watch);
+    let found = clearances_until_over(path, &shapes, &measure(&shapes, path.pattern.tree()), watch);
     let points = shapes.knots.iter().zip(found.shapes);
     let points = points.filter_map(|(knot, distance)| Some((knot.time, distance?)));
     points.collect()

@@ -12,7 +12,7 @@ use super::options::PlanRequest;
 use super::plan::Planned;
 use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
-use crate::folding::{SpanningTree, worst_amplification};
+use crate::folding::worst_amplification;
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, Letter};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
@@ -163,7 +163,6 @@ answers! {
     /// A description of a crease pattern, which serialises to the JSON object of `foldpath info --json`, with what it is made
     /// of. Once the watch is over, crease groups may be too few and the forecast may be unknown.
     PatternInfo of (pattern: &CreasePattern, watch: Watch<'_>) {
-        let tree = SpanningTree::from_central_face(pattern);
         let crease_groups = CreaseGroups::find_until(pattern, watch);
         let mut assumptions = pattern.assumptions().to_vec();
         if watch.is_over() {
@@ -194,7 +193,7 @@ answers! {
         groups: usize = crease_groups.len();
         essential_vertices: usize = stars.vertices().len();
         closure_goal: Option<f64> = closure_goal;
-        amplification: Option<f64> = worst_amplification(pattern, &tree);
+        amplification: Option<f64> = worst_amplification(pattern, pattern.tree());
         repairs: Vec<String> = pattern.repairs().to_vec();
         assumptions: Vec<String> = assumptions;
         verdict: &'static str = forecast.foldability.name();
@@ -275,8 +274,12 @@ fn bends(motion: &Motion) -> Vec<String> {
 
 /// Says which folding of a sheet is certified: on a sheet that does not quite close, others are torn elsewhere.
 fn certified_of(pattern: &CreasePattern) -> String {
-    let tree = SpanningTree::from_central_face(pattern);
-    let roots: Vec<_> = tree.roots().iter().map(ToString::to_string).collect();
+    let roots: Vec<_> = pattern
+        .tree()
+        .roots()
+        .iter()
+        .map(ToString::to_string)
+        .collect();
     match &roots[..] {
         [root] => format!("the sheet folded from face {root} outwards"),
         _ => format!("the sheets folded from faces {} outwards", roots.join(", ")),

@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 
 use super::{SimDevice, StreamPath};
 use crate::export::traj::memberships;
-use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::folding::{FoldingMap, Rigidity};
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
 use crate::read::FileError;
@@ -28,7 +28,6 @@ pub struct Plant {
 #[derive(Debug)]
 struct FoldedSheet {
     pattern: Arc<CreasePattern>,
-    tree: SpanningTree,
     map: FoldingMap,
     worst: Rigidity,
 }
@@ -67,11 +66,9 @@ impl Plant {
             let found = format!("{} hinges, or other groups of them", hinges.len());
             return Err(FileError::expected(file, place, expected, found));
         }
-        let tree = SpanningTree::from_central_face(&sheet.pattern);
         let sheet = FoldedSheet {
             map: FoldingMap::flat(&sheet.pattern),
             pattern: sheet.pattern,
-            tree,
             worst: Rigidity::default(),
         };
         Ok(Self {
@@ -95,10 +92,10 @@ impl Plant {
         if let Some(sheet) = &mut self.sheet {
             sheet
                 .map
-                .fold(&sheet.pattern, &sheet.tree, &self.hinges.angles());
+                .fold(&sheet.pattern, sheet.pattern.tree(), &self.hinges.angles());
             sheet.worst = sheet
                 .worst
-                .worse(sheet.map.rigidity(&sheet.pattern, &sheet.tree));
+                .worse(sheet.map.rigidity(&sheet.pattern, sheet.pattern.tree()));
         }
     }
 

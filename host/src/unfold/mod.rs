@@ -17,7 +17,7 @@ mod surface;
 
 use nalgebra::Vector3;
 
-use crate::folding::{FoldingMap, SpanningTree, align_sheets};
+use crate::folding::{FoldingMap, align_sheets};
 use crate::pattern::{CreasePattern, Drawing, PatternError};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
@@ -268,8 +268,7 @@ fn measure(
     unfolding.creases = goals.len();
     unfolding.max_closure = closure_of(pattern, &goals);
     let angles: Vec<f64> = goals.iter().map(|goal| goal.unwrap_or(0.0)).collect();
-    let tree = SpanningTree::from_central_face(pattern);
-    let folded = FoldingMap::new(pattern, &tree, &angles);
+    let folded = FoldingMap::new(pattern, pattern.tree(), &angles);
     let target: Vec<Vector3<f64>> = sources.iter().map(|&v| shape.vertices[v]).collect();
     let laid = align_sheets(pattern, folded.vertices(), &target);
     let off = laid.iter().zip(&target).map(|(a, b)| (a - b).norm());

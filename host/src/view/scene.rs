@@ -27,14 +27,14 @@ impl Scene {
         let watch = Watch::new(progress);
         let shapes = &path.with_steps(STEP);
         let pattern = &path.pattern;
-        let tree = SpanningTree::from_central_face(pattern);
-        let measured = measure(shapes, &tree);
+        let tree = pattern.tree();
+        let measured = measure(shapes, tree);
         let clearances = clearances_until_over(path, shapes, &measured, watch);
         let worst = |value: fn(&crate::check::Measured) -> f64| {
             measured.iter().map(value).fold(0.0, f64::max)
         };
         let over_edge = |length: f64| length / pattern.median_edge();
-        let places = places(shapes, &tree);
+        let places = places(shapes, tree);
         let numbers = shapes.knots.iter().zip(&measured).zip(&clearances.shapes);
         let shapes = numbers
             .zip(places)
@@ -64,7 +64,7 @@ impl Scene {
             letters: pattern.edges().iter().map(|e| e.letter.code()).collect(),
             turns: members.iter().map(|member| turn(*member)).collect(),
             roots: tree.roots().iter().map(|face| face.0).collect(),
-            tree: steps(pattern, &tree),
+            tree: steps(pattern, tree),
             motion: motion(path, &members),
             shapes: shapes.collect(),
             worst_pair: clearances.worst.map(|pair| WorstPair {

@@ -1,9 +1,7 @@
 //! Tests the bound on errors of the whole sheet per closure residual: it holds, and it is tight enough to be of use.
 
 use crate::common::{miura, noise, waterbomb, yoshimura};
-use foldpath::folding::{
-    FoldingMap, Holonomy, Rigidity, SpanningTree, amplification, worst_amplification,
-};
+use foldpath::folding::{FoldingMap, Holonomy, Rigidity, amplification, worst_amplification};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath::symmetry::{CreaseGroups, ReducedStars, closure_of};
@@ -11,16 +9,16 @@ use foldpath_core::{HalfAngle, closure, hole, norm};
 use rand_pcg::Pcg64;
 
 fn factors_of(pattern: &CreasePattern) -> Rigidity {
-    amplification(pattern, &SpanningTree::from_central_face(pattern)).unwrap()
+    amplification(pattern, pattern.tree()).unwrap()
 }
 
 /// Returns gap, deformation and twist at these angles, each over its bound.
 fn fractions(pattern: &CreasePattern, angles: &[f64]) -> [f64; 3] {
-    let tree = SpanningTree::from_central_face(pattern);
-    let factors = amplification(pattern, &tree).unwrap();
+    let tree = pattern.tree();
+    let factors = amplification(pattern, tree).unwrap();
     let known: Vec<_> = angles.iter().copied().map(Some).collect();
     let residual = closure_of(pattern, &known).unwrap();
-    let measured = FoldingMap::new(pattern, &tree, angles).rigidity(pattern, &tree);
+    let measured = FoldingMap::new(pattern, tree, angles).rigidity(pattern, tree);
     [
         measured.gap / (factors.gap * residual),
         measured.deformation / (factors.deformation * residual),
@@ -161,9 +159,9 @@ fn errors_of_sheets_with_holes_are_bounded_too() {
         assert_eq!(pattern.holes().len(), holes, "{name}");
         let groups = CreaseGroups::trivial(&pattern);
         let stars = ReducedStars::all(&pattern, &groups);
-        let tree = SpanningTree::from_central_face(&pattern);
-        let holonomy = Holonomy::new(&pattern, &tree).unwrap();
-        let factors = amplification(&pattern, &tree).unwrap();
+        let tree = pattern.tree();
+        let holonomy = Holonomy::new(&pattern, tree).unwrap();
+        let factors = amplification(&pattern, tree).unwrap();
         let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
         let goals: Vec<f64> = goals.map(|goal| goal.unwrap_or(0.0)).collect();
         let mut filled = [0.0_f64; 3];
@@ -192,8 +190,8 @@ fn errors_of_sheets_with_holes_are_bounded_too() {
                 let loops = stars.loops();
                 let loops = loops.iter().map(|l| hole::residuals(l, &half_angles));
                 let loops: Vec<_> = loops.map(|both| both.map(|part| norm(&part))).collect();
-                let map = FoldingMap::new(&pattern, &tree, &creases);
-                let measured = map.rigidity(&pattern, &tree);
+                let map = FoldingMap::new(&pattern, tree, &creases);
+                let measured = map.rigidity(&pattern, tree);
                 let bound = holonomy.rigidity(&vertices, &loops);
                 let residual = vertices.iter().chain(loops.iter().flatten());
                 let residual = residual.copied().fold(0.0, f64::max);
@@ -225,8 +223,8 @@ fn errors_of_sheets_with_holes_are_bounded_too() {
 #[test]
 fn a_ring_misses_by_the_residuals_of_its_hole() {
     let pattern = CreasePattern::new(cut(&miura(3, 3, 0.7), &[4], &[])).unwrap();
-    let tree = SpanningTree::from_central_face(&pattern);
-    let holonomy = Holonomy::new(&pattern, &tree).unwrap();
+    let tree = pattern.tree();
+    let holonomy = Holonomy::new(&pattern, tree).unwrap();
     let vertices = vec![1.0; pattern.vertices().len()];
     let (_, size) = pattern.hole_frame(0);
     // The first error is a shift alone. The second is a turn about a point whose distance from the rim is at most half
@@ -254,8 +252,8 @@ fn plan_derives_the_essential_tolerance_from_the_bound() {
     }
     let pattern = CreasePattern::new(drawing).unwrap();
     let goal = Goal::of_pattern(&pattern).unwrap();
-    let tree = SpanningTree::from_central_face(&pattern);
-    let factor = worst_amplification(&pattern, &tree).unwrap();
+    let tree = pattern.tree();
+    let factor = worst_amplification(&pattern, tree).unwrap();
     for bound in [1e-2, 1e-4, 1e-6, 1e-8] {
         let options = PlanOptions::default().with(|it| it.bound = bound);
         let plan = plan(&pattern, &goal, &options);

@@ -1,7 +1,7 @@
 //! Tests that the planner refuses a motion with a crossing strictly between knots.
 
 use foldpath::collision::CollisionScene;
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, Strategy, plan};
@@ -46,7 +46,7 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
     let blind = PlanOptions::default().with(|it| it.collision = false);
     let unseen = plan(&pattern, &goal, &blind);
     assert_eq!(unseen.outcome, Outcome::Planned);
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let mut scene = CollisionScene::new(&pattern);
     for knot in unseen.knots() {
         let member = |m: &foldpath_core::Membership| m.apply(knot.angles[m.group.index()]);
@@ -58,7 +58,7 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
             .iter()
             .map(member)
             .collect();
-        let map = FoldingMap::new(&pattern, &tree, &angles);
+        let map = FoldingMap::new(&pattern, tree, &angles);
         assert!(scene.deepest_crossing(&map, 1e-6).is_none(), "{angles:?}");
     }
 

@@ -430,12 +430,12 @@ fn errors_of_the_folded_sheet_are_certified() {
         Sheet::waterbomb(4, 6),
         Sheet::waterbomb(8, 10),
     ] {
-        let tree = SpanningTree::from_central_face(&sheet.pattern);
+        let tree = sheet.pattern.tree();
         let all = ReducedStars::all(&sheet.pattern, &sheet.groups);
         // Rounding errors of a loop's translation are bounded more coarsely.
         let within = if all.loops().is_empty() { 1e3 } else { 1e4 };
         let mut closure = SegmentCertifier::default();
-        let mut certifier = SheetCertifier::new(&sheet.pattern, &tree, &all).unwrap();
+        let mut certifier = SheetCertifier::new(&sheet.pattern, tree, &all).unwrap();
         let memberships = sheet.groups.memberships();
         let mut folded = FoldingCertifier::new(&sheet.pattern, memberships);
         let trees = SpanningTree::diverse(&sheet.pattern);
@@ -445,7 +445,7 @@ fn errors_of_the_folded_sheet_are_certified() {
         let lost = lost.into_iter().fold(0.0, f64::max);
         let mut map = FoldingMap::new(
             &sheet.pattern,
-            &tree,
+            tree,
             &vec![0.0; sheet.pattern.creases().len()],
         );
         for (kind, by_t, degrees) in [
@@ -466,8 +466,8 @@ fn errors_of_the_folded_sheet_are_certified() {
                 let s = f64::from(sample) / 200.0;
                 let x: Vec<f64> = curves.iter().map(|curve| curve.angle(s)).collect();
                 let angles = sheet.groups.expand(&x);
-                map.fold(&sheet.pattern, &tree, &angles);
-                worst = worst.worse(map.rigidity(&sheet.pattern, &tree));
+                map.fold(&sheet.pattern, tree, &angles);
+                worst = worst.worse(map.rigidity(&sheet.pattern, tree));
                 for tree in &trees {
                     map.fold(&sheet.pattern, tree, &angles);
                     all = all.worse(map.rigidity(&sheet.pattern, tree));

@@ -1,7 +1,7 @@
 //! Tests the clearance of a sheet at rest against closed forms and against all pairs of faces.
 
 use foldpath::collision::{ConvexPiece, Sweep, SweepOptions, SweepVerdict, distance};
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath_core::{Curve, GroupId, Membership};
@@ -80,7 +80,7 @@ fn boxes_leave_out_no_pair_that_is_nearest() {
         fold: 0.6,
     };
     let pattern = CreasePattern::new(waterbomb.drawing().unwrap()).unwrap();
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let goals = pattern
         .creases()
         .iter()
@@ -88,7 +88,7 @@ fn boxes_leave_out_no_pair_that_is_nearest() {
     let goals: Vec<f64> = goals.collect();
     for part in [0.0, 0.3, 0.6, 1.0, 0.1] {
         let angles: Vec<f64> = goals.iter().map(|goal| part * goal).collect();
-        let map = FoldingMap::new(&pattern, &tree, &angles);
+        let map = FoldingMap::new(&pattern, tree, &angles);
         let faces: Vec<_> = pattern.faces().iter().zip(map.poses()).collect();
         let corners = faces.iter().map(|(face, pose)| {
             let corners = face

@@ -1,6 +1,6 @@
 //! Tests generated families whose answer is not a plain plan: sheets that do not fold, and the reasons.
 
-use foldpath::folding::{FoldingMap, Rigidity, SpanningTree};
+use foldpath::folding::{FoldingMap, Rigidity};
 use foldpath::generate::{Kresling, Letters, Quad, Resch, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
@@ -37,11 +37,11 @@ fn outcomes(pattern: &CreasePattern) -> [Outcome; 2] {
 
 /// Returns the worst errors over twenty steps from flat to the goal, with all angles scaled alike.
 fn scaled_to_goal(pattern: &CreasePattern) -> Rigidity {
-    let tree = SpanningTree::from_central_face(pattern);
+    let tree = pattern.tree();
     let goal = goal_angles(pattern);
     let steps = (0..=20).map(|step| {
         let angles: Vec<f64> = goal.iter().map(|g| g * f64::from(step) / 20.0).collect();
-        FoldingMap::new(pattern, &tree, &angles).rigidity(pattern, &tree)
+        FoldingMap::new(pattern, tree, &angles).rigidity(pattern, tree)
     });
     steps.fold(Rigidity::default(), Rigidity::worse)
 }
@@ -218,9 +218,9 @@ fn resch_closes_to_a_plane() {
         let goal = goal_angles(&sheet);
         assert!(closure_at(&sheet, &goal) < CLOSED);
         // The triangles between stars lie in one plane when the sheet is folded.
-        let tree = SpanningTree::from_central_face(&sheet);
-        let map = FoldingMap::new(&sheet, &tree, &goal);
-        let rigidity = map.rigidity(&sheet, &tree);
+        let tree = sheet.tree();
+        let map = FoldingMap::new(&sheet, tree, &goal);
+        let rigidity = map.rigidity(&sheet, tree);
         assert!(rigidity.gap < CLOSED, "{rigidity:?}");
         assert_eq!(outcomes(&sheet)[1], Outcome::Planned, "{rows} {columns}");
     }

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use std::collections::HashMap;
 
 use crate::common::{class_of, miura, noise, waterbomb, yoshimura};
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::{Letters, Quad, Resch, SquareTwist};
 use foldpath::lattice::{
     AngleVariation, Lattice, LatticeCoord, LatticeMotion, LatticeMotionBounds, PairClass, Pose,
@@ -143,8 +143,8 @@ impl Sheet {
     /// from the first face of each pair of faces.
     fn disagreement(&self, angles: &[f64]) -> f64 {
         let motion = self.motion(angles);
-        let tree = SpanningTree::from_central_face(&self.pattern);
-        let map = FoldingMap::new(&self.pattern, &tree, &self.creases(angles));
+        let tree = self.pattern.tree();
+        let map = FoldingMap::new(&self.pattern, tree, &self.creases(angles));
         let faces = 0..self.pattern.faces().len();
         let mut relative = HashMap::new();
         let mut worst = 0.0_f64;
@@ -391,8 +391,8 @@ fn far_cells_are_as_exact_as_the_whole_folding_map() {
         let sheet = Sheet::new(drawing);
         let angles = sheet.goal();
         let motion = sheet.motion(&angles);
-        let tree = SpanningTree::from_central_face(&sheet.pattern);
-        let map = FoldingMap::new(&sheet.pattern, &tree, &sheet.creases(&angles));
+        let tree = sheet.pattern.tree();
+        let map = FoldingMap::new(&sheet.pattern, tree, &sheet.creases(&angles));
         let vertices = sheet.pattern.vertices();
         let size = vertices.iter().map(|v| v.norm()).fold(0.0, f64::max);
         let base = FaceId(0);

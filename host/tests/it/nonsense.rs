@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 use crate::common::path_text;
 use foldpath::check::{CheckOptions, Failure, check};
 use foldpath::collision::{CollisionScene, Sweep, SweepOptions, SweepVerdict};
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::Miura;
 use foldpath::motion::Motion;
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, PatternError, VertexId};
@@ -243,11 +243,11 @@ fn options_of_no_numbers_are_refused() {
 #[test]
 fn folded_by_no_numbers_a_sheet_has_none() {
     let (pattern, _) = sheet();
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let folded = |value: f64| {
         let angles = vec![value; pattern.creases().len()];
-        let map = FoldingMap::new(&pattern, &tree, &angles);
-        (map.rigidity(&pattern, &tree), map)
+        let map = FoldingMap::new(&pattern, tree, &angles);
+        (map.rigidity(&pattern, tree), map)
     };
     for bad in NONE {
         let (rigidity, map) = folded(bad);

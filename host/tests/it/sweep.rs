@@ -210,11 +210,11 @@ fn what_rounded_coordinates_explain_is_contact() {
             "{contact:e}: {turned:e}, {depth:e}"
         );
         // The verdict on one configuration is the same.
-        let tree = SpanningTree::from_central_face(pattern);
+        let tree = pattern.tree();
         let mut scene = CollisionScene::new(pattern);
         let mut crosses = |turned: f64| {
             let angles = [PI / 2.0, PI / 2.0, PI / 2.0 + turned];
-            let map = FoldingMap::new(pattern, &tree, &angles);
+            let map = FoldingMap::new(pattern, tree, &angles);
             scene.deepest_crossing(&map, contact).is_some()
         };
         assert!(crosses(1.01 * turned) && !crosses(0.9 * depth));
@@ -511,7 +511,7 @@ fn a_hinge_that_turns_past_half_a_turn_is_found() {
 struct Sampler<'a> {
     pattern: &'a CreasePattern,
     memberships: &'a [Membership],
-    tree: SpanningTree,
+    tree: &'a SpanningTree,
     scene: CollisionScene,
 }
 
@@ -520,7 +520,7 @@ impl<'a> Sampler<'a> {
         Self {
             pattern,
             memberships,
-            tree: SpanningTree::from_central_face(pattern),
+            tree: pattern.tree(),
             scene: CollisionScene::new(pattern),
         }
     }
@@ -529,7 +529,7 @@ impl<'a> Sampler<'a> {
     fn depth(&mut self, motion: &Motion, segment: usize, s: f64) -> f64 {
         let angle = |m: &Membership| m.apply(motion[segment][m.group.index()].angle(s));
         let angles: Vec<f64> = self.memberships.iter().map(angle).collect();
-        let map = FoldingMap::new(self.pattern, &self.tree, &angles);
+        let map = FoldingMap::new(self.pattern, self.tree, &angles);
         let crossing = self.scene.deepest_crossing(&map, 1e-6);
         crossing.map_or(0.0, |crossing| crossing.depth)
     }

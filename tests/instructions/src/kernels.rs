@@ -4,7 +4,7 @@ use core::hint::black_box;
 use std::path::Path;
 
 use foldpath::collision::CollisionScene;
-use foldpath::folding::{FoldingMap, SpanningTree, deformation};
+use foldpath::folding::{FoldingMap, deformation};
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, Symmetry, plan};
 use foldpath::read::read_pattern;
@@ -152,23 +152,20 @@ fn read(name: &str) -> CreasePattern {
 /// A folded sheet at its goal.
 struct Sheet {
     pattern: CreasePattern,
-    tree: SpanningTree,
     angles: Vec<f64>,
     map: FoldingMap,
 }
 
 fn sheet() -> Sheet {
     let pattern = read("miura-24x24");
-    let tree = SpanningTree::from_central_face(&pattern);
     let goals = pattern
         .creases()
         .iter()
         .map(|&edge| pattern.edge(edge).goal);
     let angles: Vec<f64> = goals.map(|goal| goal.expect("a goal")).collect();
-    let map = FoldingMap::new(&pattern, &tree, &angles);
+    let map = FoldingMap::new(&pattern, pattern.tree(), &angles);
     Sheet {
         pattern,
-        tree,
         angles,
         map,
     }
@@ -179,11 +176,10 @@ fn fold() -> Box<dyn FnMut()> {
     Box::new(move || {
         let Sheet {
             pattern,
-            tree,
             angles,
             map,
         } = &mut sheet;
-        map.fold(pattern, tree, black_box(angles));
+        map.fold(pattern, pattern.tree(), black_box(angles));
         black_box(map);
     })
 }

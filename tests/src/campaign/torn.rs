@@ -11,7 +11,6 @@ use std::panic::catch_unwind;
 use std::time::Instant;
 
 use foldpath::check::{self, Failure, Undecided, check};
-use foldpath::folding::SpanningTree;
 use serde_json::Value;
 
 pub use make::Kind;
@@ -144,11 +143,11 @@ impl Torn {
 /// If the file is no path, or lacks a key.
 pub fn judge(seed: u64, file: &Value) -> Result<(Judged, [Duration; 2]), String> {
     let path = path_file(&file.to_string()).map_err(|error| error.to_string())?;
-    let tree = SpanningTree::from_central_face(&path.pattern);
+    let tree = path.pattern.tree();
     let read = Instant::now();
     let verdict = check(&path, &crate::strict());
     let checked = Instant::now();
-    let oracle = Oracle::of(file, &tree).map_err(|error| error.to_string())?;
+    let oracle = Oracle::of(file, tree).map_err(|error| error.to_string())?;
     let found = oracle.judge();
     let times = [checked - read, checked.elapsed()];
     let judged = Judged {

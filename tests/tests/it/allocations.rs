@@ -9,7 +9,7 @@ use core::hint::black_box;
 
 use allocation_counter::measure;
 use foldpath::collision::CollisionScene;
-use foldpath::folding::{FoldingMap, SpanningTree, deformation};
+use foldpath::folding::{FoldingMap, deformation};
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, SparseNormalEquations};
@@ -205,8 +205,8 @@ fn large_solvers_do_not_allocate() {
 fn the_folded_sheet_is_measured_without_allocating() {
     let pattern = sheet();
     let (_, angles) = full(&pattern);
-    let tree = SpanningTree::from_central_face(&pattern);
-    let mut map = FoldingMap::new(&pattern, &tree, &angles);
+    let tree = pattern.tree();
+    let mut map = FoldingMap::new(&pattern, tree, &angles);
     let mut part = angles.clone();
     let mut worst = 0.0_f64;
     let count = allocations(200, |call| {
@@ -214,8 +214,8 @@ fn the_folded_sheet_is_measured_without_allocating() {
         for (part, angle) in part.iter_mut().zip(&angles) {
             *part = angle * scale;
         }
-        map.fold(&pattern, &tree, &part);
-        worst = worst.max(map.rigidity(&pattern, &tree).worst());
+        map.fold(&pattern, tree, &part);
+        worst = worst.max(map.rigidity(&pattern, tree).worst());
         worst = worst.max(deformation(&pattern, map.vertices()));
     });
     assert_eq!(count, 0);
@@ -226,7 +226,7 @@ fn the_folded_sheet_is_measured_without_allocating() {
 fn a_scene_is_asked_again_without_allocating() {
     let pattern = sheet();
     let (_, angles) = full(&pattern);
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let groups = CreaseGroups::find(&pattern);
     let goal = groups.reduce(&angles.iter().copied().map(Some).collect::<Vec<_>>());
     let goal: Vec<f64> = goal.into_iter().map(Option::unwrap).collect();
@@ -236,7 +236,7 @@ fn a_scene_is_asked_again_without_allocating() {
         groups.expand(&goal.iter().map(at).collect::<Vec<f64>>())
     };
     let maps: Vec<FoldingMap> = (1..=50)
-        .map(|k| FoldingMap::new(&pattern, &tree, &fold(f64::from(k) / 50.0)))
+        .map(|k| FoldingMap::new(&pattern, tree, &fold(f64::from(k) / 50.0)))
         .collect();
     let mut scene = CollisionScene::new(&pattern);
     // The first round allocates the hierarchy's stack.

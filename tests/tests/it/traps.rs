@@ -1,7 +1,7 @@
 //! Sheets on which a careless measure reports that all is well.
 
 use foldpath::collision::CollisionScene;
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::Miura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Outcome, PlanOptions, Symmetry};
@@ -51,9 +51,9 @@ fn strip(x: &[f64], angles: &[f64]) -> CreasePattern {
 #[test]
 fn a_panel_that_passes_through_a_crease_is_a_crossing() {
     let pattern = strip(&[-1.0, 0.0, 1.0, 2.0, 3.0, 5.0], &[0.0, 90.0, 90.0, 90.0]);
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let crossing = |angles: [f64; 4]| {
-        let map = FoldingMap::new(&pattern, &tree, &angles.map(f64::to_radians));
+        let map = FoldingMap::new(&pattern, tree, &angles.map(f64::to_radians));
         CollisionScene::new(&pattern).deepest_crossing(&map, 1e-6)
     };
     assert!(crossing([0.0, 90.0, 90.0, 90.0]).is_some());

@@ -4,7 +4,7 @@ use crate::common::{folder, pattern};
 use foldpath::check::{CheckOptions, check};
 use foldpath::collision::CollisionScene;
 use foldpath::export::fold::pattern_text;
-use foldpath::folding::{FoldingMap, SpanningTree};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::Miura;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter, PatternError};
 use foldpath::planner::Goal;
@@ -212,9 +212,9 @@ fn solved(pattern: &CreasePattern, with_loops: bool) -> (Outcome, f64) {
         &mut vec![0.0; 2 * n],
     );
     let angles = groups.expand(&angles);
-    let tree = SpanningTree::from_central_face(pattern);
-    let map = FoldingMap::new(pattern, &tree, &angles);
-    (report.outcome, map.rigidity(pattern, &tree).gap)
+    let tree = pattern.tree();
+    let map = FoldingMap::new(pattern, tree, &angles);
+    (report.outcome, map.rigidity(pattern, tree).gap)
 }
 
 /// A ring has no closure condition but that of its hole. A hinge that moves differently between knots opens the hole.
@@ -360,7 +360,7 @@ fn the_sides_of_a_cut_touch_and_do_not_cross() {
         let pattern = CreasePattern::new(cut(way)).unwrap();
         let goal = Goal::of_pattern(&pattern).unwrap();
         let zigzag = SHEET.fold * core::f64::consts::PI;
-        let tree = SpanningTree::from_central_face(&pattern);
+        let tree = pattern.tree();
         let mut scene = CollisionScene::new(&pattern);
         for part in [
             0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0,
@@ -375,7 +375,7 @@ fn the_sides_of_a_cut_touch_and_do_not_cross() {
                 };
                 size * angle.signum()
             });
-            let map = FoldingMap::new(&pattern, &tree, &angles.collect::<Vec<_>>());
+            let map = FoldingMap::new(&pattern, tree, &angles.collect::<Vec<_>>());
             assert_eq!(scene.deepest_crossing(&map, 1e-6), None, "{part:e}");
         }
     }

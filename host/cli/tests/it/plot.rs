@@ -4,7 +4,6 @@ use std::fs;
 
 use crate::common::{PATTERNS, folder_with_path};
 use foldpath::check::measure;
-use foldpath::folding::SpanningTree;
 use foldpath::plot::{Curves, Point, svg};
 use foldpath::read::fold::read_motion;
 use foldpath_test_support::{Folder, edited};
@@ -41,8 +40,8 @@ fn curves_are_those_of_the_motion() {
             "{a:?}, {b:?}"
         );
     }
-    let tree = SpanningTree::from_central_face(&path.pattern);
-    for (knot, measured) in path.knots.iter().zip(measure(&path, &tree)) {
+    let tree = path.pattern.tree();
+    for (knot, measured) in path.knots.iter().zip(measure(&path, tree)) {
         let found = at(&curves.deformation, knot.time);
         assert!((found - measured.rigidity.deformation).abs() <= 0.0);
         assert!((at(&curves.gap, knot.time) - measured.rigidity.gap).abs() <= 0.0);

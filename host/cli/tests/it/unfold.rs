@@ -4,7 +4,7 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::common::folder;
-use foldpath::folding::{FoldingMap, SpanningTree, align_rigid};
+use foldpath::folding::{FoldingMap, align_rigid};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::pattern::{CreasePattern, Drawing, Letter};
 use foldpath::read::{parse_shape, read_file};
@@ -48,11 +48,11 @@ fn apart_flat(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> f64 {
 /// Returns a sheet folded to its own goal, in some other position and orientation, without letters.
 fn folded(drawing: &Drawing) -> FoldedShape {
     let pattern = CreasePattern::new(drawing.clone()).unwrap();
-    let tree = SpanningTree::from_central_face(&pattern);
+    let tree = pattern.tree();
     let goal = |edge: &foldpath::pattern::EdgeId| pattern.edge(*edge).goal.unwrap();
     let angles: Vec<f64> = pattern.creases().iter().map(goal).collect();
-    let map = FoldingMap::new(&pattern, &tree, &angles);
-    assert!(map.rigidity(&pattern, &tree).worst() < 1e-12);
+    let map = FoldingMap::new(&pattern, tree, &angles);
+    assert!(map.rigidity(&pattern, tree).worst() < 1e-12);
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.5);
     let moved = |p: &Vector3<f64>| turn * p + Vector3::new(1.0, -2.0, 0.5);
     let faces = pattern.faces().iter();

@@ -365,14 +365,14 @@ mod tests {
         };
         let pattern = CreasePattern::new(drawing).unwrap();
         let groups = CreaseGroups::trivial(&pattern);
-        let tree = SpanningTree::from_central_face(&pattern);
+        let tree = pattern.tree();
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
         let pieces = Pieces::new(&pattern);
         let hierarchy = Hierarchy::new(&pieces);
         let members = groups.memberships();
         let mut broad_phase =
-            IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+            IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), tree);
         broad_phase.begin(&motion, &pieces);
         assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
@@ -404,7 +404,7 @@ mod tests {
             let drawing = [miura.drawing(), waterbomb.drawing()][round % 2].clone();
             let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
             let groups = CreaseGroups::trivial(&pattern);
-            let tree = SpanningTree::from_central_face(&pattern);
+            let tree = pattern.tree();
             let mut start: Vec<f64> = (0..groups.len()).map(|_| 0.3 * noise()).collect();
             let mut segments = Vec::new();
             for segment in 0..3 {
@@ -431,7 +431,7 @@ mod tests {
             let hierarchy = Hierarchy::new(&pieces);
             let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), tree);
             broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
             while broad_phase.to < motion.end() {
@@ -448,7 +448,7 @@ mod tests {
                     let time = broad_phase.from + (broad_phase.to - broad_phase.from) / 10 * part;
                     let (segment, s) = motion.place(time.min(broad_phase.to - 1));
                     let angles: Vec<_> = segments[segment].iter().map(|c| c.angle(s)).collect();
-                    map.fold_groups(&pattern, &tree, groups.memberships(), &angles);
+                    map.fold_groups(&pattern, tree, groups.memberships(), &angles);
                     let at = |piece: u32| {
                         let piece = pieces.list[piece as usize];
                         let pose = &map.poses()[piece.face.index()];

@@ -158,7 +158,6 @@ mod tests {
     use super::*;
     use crate::collision::motion::Motion;
     use crate::collision::pieces::Pieces;
-    use crate::folding::SpanningTree;
     use crate::generate::Miura;
     use crate::pattern::CreasePattern;
     use crate::symmetry::CreaseGroups;
@@ -175,7 +174,7 @@ mod tests {
         };
         let pattern = CreasePattern::new(miura.drawing().unwrap()).unwrap();
         let groups = CreaseGroups::trivial(&pattern);
-        let tree = SpanningTree::from_central_face(&pattern);
+        let tree = pattern.tree();
         let segments = [0.0, 1.0].map(|part| {
             let curves = (0..groups.len()).map(|k| {
                 let turn = 0.002 * (k % 7) as f64;
@@ -189,7 +188,7 @@ mod tests {
         let found = |threads: usize| {
             let members = groups.memberships();
             let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), &tree);
+                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len(), tree);
             broad_phase.begin(&motion, &pieces);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {

@@ -47,7 +47,6 @@ use super::tolerances::{
     CHAIN_TEAR_RATIO, CROSSING_DEPTH_EDGES, LAST_FREE_TICKS, MAX_LOG2_PARTS, OVERTURNED_SEGMENTS,
     QUERIES_PER_CLOCK,
 };
-use crate::folding::SpanningTree;
 use crate::lattice::Lattice;
 use crate::pattern::{CreasePattern, FaceId, VertexId};
 use crate::util::progress::Watch;
@@ -180,18 +179,16 @@ impl<'a> Sweep<'a> {
         };
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
-        let tree = lattice
-            .is_none()
-            .then(|| SpanningTree::from_central_face(pattern));
+        let tree = lattice.is_none().then(|| pattern.tree());
         // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
-        let broad_phase = tree.as_ref().filter(|_| skips);
+        let broad_phase = tree.filter(|_| skips);
         let broad_phase = broad_phase
             .map(|tree| IntervalBroadPhase::new(pattern, &hierarchy, memberships, groups, tree));
         let cells = lattice.map(|lattice| CellPairs::new(pattern, memberships, groups, lattice));
-        let holonomy = tree.as_ref().and_then(|tree| tree.holonomy(pattern));
+        let holonomy = tree.and_then(|tree| tree.holonomy(pattern));
         let tears = holonomy.map_or_else(Vec::new, |holonomy| holonomy.tears(options.closure));
-        let folded = tree.as_ref().map(|tree| (tree, &tears[..]));
+        let folded = tree.map(|tree| (tree, &tears[..]));
         let mut chains = Chains::new(pattern, memberships, folded);
         let within = hierarchy.nodes.iter().map(|node| {
             let children = node.children.unwrap_or_default();
@@ -219,14 +216,14 @@ impl<'a> Sweep<'a> {
             contact: Contact::new(pattern.median_edge(), options.contact),
             options,
             watch: Watch::default(),
-            folding: LazyFolding::new(pattern, memberships, groups, tree.as_ref(), cells),
+            folding: LazyFolding::new(pattern, memberships, groups, tree, cells),
             broad_phase,
             unseen: HashMap::new(),
             others: 0,
             within,
             kept: chains.len(),
             tears,
-            length: tree.as_ref().map_or(0.0, |tree| 2.0 * tree.reach(pattern)),
+            length: tree.map_or(0.0, |tree| 2.0 * tree.reach(pattern)),
             chains,
             levers: Levers::new(groups),
             turns: Vec::new(),

@@ -2,7 +2,7 @@
 
 use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing, SweepCounts};
-use crate::folding::{FoldingMap, Rigidity, SpanningTree};
+use crate::folding::{FoldingMap, Rigidity};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::knots::Knot;
 use crate::planner::problem::PlanningProblem;
@@ -41,7 +41,7 @@ impl<'a> Judge<'a> {
     pub(crate) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
         let angles = &knot.stored.angles;
         self.place(angles);
-        let rigidity = self.map.rigidity(self.pattern, &self.reduction.tree);
+        let rigidity = self.map.rigidity(self.pattern, self.reduction.tree);
         let closure = self.reduction.closure_of_sheet(angles);
         knot.set_errors(Rigidity {
             twist: closure.max(rigidity.twist),
@@ -61,7 +61,7 @@ impl<'a> Judge<'a> {
 
     /// Folds the sheet by these group angles.
     fn place(&mut self, angles: &[f64]) {
-        let (tree, groups) = (&self.reduction.tree, &self.reduction.groups);
+        let (tree, groups) = (self.reduction.tree, &self.reduction.groups);
         self.map
             .fold_groups(self.pattern, tree, groups.memberships(), angles);
     }
@@ -122,7 +122,6 @@ impl<'a> Judge<'a> {
 struct Part {
     pattern: CreasePattern,
     creases: Vec<CreaseId>,
-    tree: SpanningTree,
     map: FoldingMap,
 }
 
@@ -130,7 +129,6 @@ impl Part {
     fn of(sheet: &CreasePattern, reduction: &Reduction) -> Option<Self> {
         let (pattern, creases) = essential_pattern(sheet, &reduction.all).ok()?;
         Some(Self {
-            tree: SpanningTree::from_central_face(&pattern),
             map: FoldingMap::flat(&pattern),
             pattern,
             creases,
@@ -144,10 +142,10 @@ impl Part {
             membership.apply(angles[membership.group.index()])
         };
         let angles: Vec<f64> = self.creases.iter().map(angle).collect();
-        self.map.fold(&self.pattern, &self.tree, &angles);
+        self.map.fold(&self.pattern, self.pattern.tree(), &angles);
     }
 
     fn rigidity(&self) -> Rigidity {
-        self.map.rigidity(&self.pattern, &self.tree)
+        self.map.rigidity(&self.pattern, self.pattern.tree())
     }
 }

@@ -36,7 +36,7 @@ pub(crate) struct Reduction<'a> {
     limits: Vec<(f64, f64)>,
     pub(crate) watch: Watch<'a>,
     /// Spanning tree along which the whole sheet is folded.
-    pub(crate) tree: SpanningTree,
+    pub(crate) tree: &'a SpanningTree,
     /// Largest ratio of the errors of the whole sheet to the closure residuals; `None` if unknown.
     pub(crate) amplification: Option<f64>,
     /// Largest ratio that is assumed, whatever the worst case is; infinite to assume the worst case.
@@ -60,7 +60,7 @@ pub(crate) struct ClosedGoal {
 impl<'a> Reduction<'a> {
     /// Makes the reduction to these groups, with the stars as they are.
     pub(crate) fn new(
-        pattern: &CreasePattern,
+        pattern: &'a CreasePattern,
         groups: CreaseGroups,
         options: &PlanOptions,
         watch: Watch<'a>,
@@ -86,13 +86,13 @@ impl<'a> Reduction<'a> {
 
     /// Makes the reduction with these stars.
     fn of_stars(
-        pattern: &CreasePattern,
+        pattern: &'a CreasePattern,
         groups: CreaseGroups,
         all: ReducedStars,
         options: &PlanOptions,
         watch: Watch<'a>,
     ) -> Self {
-        let tree = SpanningTree::from_central_face(pattern);
+        let tree = pattern.tree();
         Self {
             essential: all.essential(),
             distinct: all.distinct(),
@@ -103,7 +103,7 @@ impl<'a> Reduction<'a> {
             limits: group_limits(&groups, options),
             groups,
             watch,
-            amplification: worst_amplification(pattern, &tree),
+            amplification: worst_amplification(pattern, tree),
             tree,
             expected: f64::INFINITY,
             structure: OnceLock::new(),
@@ -119,7 +119,7 @@ impl<'a> Reduction<'a> {
     /// more than rounding, or if `coarse` allows no larger angle.
     pub(crate) fn snapped(
         &self,
-        pattern: &CreasePattern,
+        pattern: &'a CreasePattern,
         goal: &Goal,
         options: &PlanOptions,
         coarse: bool,

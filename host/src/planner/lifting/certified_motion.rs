@@ -293,7 +293,7 @@ impl Lifting<'_> {
     /// Turns the closure bound of every vertex into worst-case bounds on the whole sheet; `all` are the stars of all
     /// vertices.
     fn bound_from_vertices(&self, all: &ReducedStars, knots: &KnotSequence) -> Certificate {
-        let sheet = SheetCertifier::new(self.problem.pattern, &self.reduction.tree, all);
+        let sheet = SheetCertifier::new(self.problem.pattern, self.reduction.tree, all);
         Certificate {
             closure: sheet.as_ref().map(|sheet| sheet.closure(&knots.closure)),
             deformation: sheet.map_or(f64::INFINITY, |mut sheet| {

@@ -51,7 +51,7 @@ impl<'a> Lifting<'a> {
     /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
     /// whether layers that move together pass through each other is then hard to tell.
     pub(crate) fn tears_hide_contact(&self, plan: &Plan) -> bool {
-        let (pattern, tree) = (self.problem.pattern, &self.reduction.tree);
+        let (pattern, tree) = (self.problem.pattern, self.reduction.tree);
         let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
         let angles = plan.path.knots.iter().flat_map(|knot| &knot.stored.angles);
         let touches = angles.copied().any(|angle| angle.abs() >= flat);

@@ -105,7 +105,7 @@ pub(crate) fn fold_in_sequence(
         problem,
         judge: Judge::new(problem, &reduction, options.collision),
         closure_tolerance: reduction.closure_tolerance(options),
-        tree: &reduction.tree,
+        tree: reduction.tree,
         groups: &reduction.groups,
         in_the_way: vec![0; goal.len()],
         parts: parts(problem, route, &goal).unwrap_or_default(),

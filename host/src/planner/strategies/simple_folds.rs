@@ -150,7 +150,7 @@ fn all_turn(joints: &[Joint]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::folding::{FoldingMap, SpanningTree};
+    use crate::folding::FoldingMap;
     use crate::pattern::{Drawing, DrawnEdge, Letter};
     use core::f64::consts::PI;
     use nalgebra::Vector2;
@@ -184,8 +184,7 @@ mod tests {
 
     /// Returns the simple folds of a sheet whose creases are at `from` and go to `to`.
     fn folds(pattern: &CreasePattern, from: &[f64], to: &[f64]) -> Vec<Vec<usize>> {
-        let tree = SpanningTree::from_central_face(pattern);
-        let shape = FoldingMap::new(pattern, &tree, from);
+        let shape = FoldingMap::new(pattern, pattern.tree(), from);
         let turns: Vec<f64> = from.iter().zip(to).map(|(from, to)| to - from).collect();
         let mut folds = simple_folds(pattern, shape.vertices(), &turns);
         folds.sort();

@@ -41,7 +41,7 @@ struct Candidate {
 struct Candidates<'a> {
     /// Fold angle of each crease at the goal, radians.
     goal: &'a [f64],
-    tree: SpanningTree,
+    tree: &'a SpanningTree,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
 }
@@ -69,7 +69,7 @@ pub(crate) fn fold_in_split_phases(
     let all = vec![set(goal, turned.map(|(crease, _)| crease))];
     let mut candidates = Candidates {
         goal,
-        tree: SpanningTree::from_central_face(pattern),
+        tree: pattern.tree(),
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
     };
@@ -100,7 +100,7 @@ impl Candidates<'_> {
         };
         let ended = plan.path.knots.iter().filter(|knot| knot.ends_phase);
         let phase = ended.count().min(phases.len() - 1);
-        let between = between(&self.tree, self.goal, crossing.faces);
+        let between = between(self.tree, self.goal, crossing.faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {

@@ -93,7 +93,7 @@ fn moved_apart(
     let mut angles = angles.to_vec();
     let mut map = FoldingMap::flat(problem.pattern);
     let mut distance = |angles: &[f64], faces| {
-        map.fold(problem.pattern, &reduction.tree, angles);
+        map.fold(problem.pattern, reduction.tree, angles);
         face_distance(problem.pattern, &map, faces)
     };
     let mut solver = reduction.solver(options, 0.0);
@@ -109,7 +109,7 @@ fn moved_apart(
                 continue;
             }
             let mut slopes = vec![0.0; angles.len()];
-            for crease in between(&reduction.tree, &angles, faces).ones() {
+            for crease in between(reduction.tree, &angles, faces).ones() {
                 let mut turned = angles.clone();
                 turned[crease] += PROBE_RAD;
                 slopes[crease] = (distance(&turned, faces) - before) / PROBE_RAD;

@@ -60,8 +60,8 @@ impl Traced {
             let creases = memberships.iter();
             let creases = creases.map(|of| of.apply(angles[of.group.index()]));
             let creases: Vec<f64> = creases.collect();
-            map.fold(&sheet.pattern, &sheet.tree, &creases);
-            let rigidity = map.rigidity(&sheet.pattern, &sheet.tree);
+            map.fold(&sheet.pattern, sheet.pattern.tree(), &creases);
+            let rigidity = map.rigidity(&sheet.pattern, sheet.pattern.tree());
             let assigned = |dihedral: &Dihedral| {
                 let crease = sheet.pattern.edge(dihedral.edge?).crease?;
                 Some(creases[crease.index()])

@@ -310,7 +310,7 @@ impl<'a> Judge<'a> {
         let sheet = self.sheet;
         let memberships = sheet.groups.memberships();
         self.map
-            .fold_groups(&sheet.pattern, &sheet.tree, memberships, angles);
+            .fold_groups(&sheet.pattern, sheet.pattern.tree(), memberships, angles);
         if let Accept::Deformation(bound) = self.accept
             && self.deformation().is_none_or(|worst| worst > bound)
         {

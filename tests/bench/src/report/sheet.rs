@@ -1,6 +1,5 @@
 //! A sheet with the unknowns and closure conditions of a search.
 
-use foldpath::folding::SpanningTree;
 use foldpath::generate::ParameterError;
 use foldpath::pattern::{CreasePattern, Drawing};
 use foldpath::planner::{Goal, PlanOptions, Symmetry, Vertices};
@@ -52,8 +51,6 @@ pub struct Sheet {
     pub pattern: CreasePattern,
     /// The goal.
     pub goal: Goal,
-    /// The spanning tree along which the sheet is folded.
-    pub tree: SpanningTree,
     /// The unknowns.
     pub groups: CreaseGroups,
     /// The closure conditions.
@@ -85,7 +82,6 @@ impl Sheet {
         let asked = groups.reduce(&goal.fold_angles).into_iter();
         let goal_angles = asked.collect::<Option<_>>().expect("every crease has one");
         Self {
-            tree: SpanningTree::from_central_face(&pattern),
             pattern,
             goal,
             groups,

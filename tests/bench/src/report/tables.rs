@@ -105,7 +105,7 @@ fn measure(case: &Case, extent: Extent) -> Row {
         .map(|knot| knot.angles.clone())
         .collect();
     let ours_measured = [knots, motion.map(motion_between).unwrap_or_default()]
-        .map(|places| between_knots(&sheet.pattern, &sheet.tree, &memberships, &places));
+        .map(|places| between_knots(&sheet.pattern, sheet.pattern.tree(), &memberships, &places));
     Row {
         case: *case,
         unknowns: sheet.groups.len(),
@@ -120,7 +120,7 @@ fn deviations(sheet: &Sheet, run: &Run) -> [Deviation; 2] {
     [&run.knots, &straight_between(&run.knots)].map(|places| {
         between_knots(
             &sheet.pattern,
-            &sheet.tree,
+            sheet.pattern.tree(),
             sheet.groups.memberships(),
             places,
         )

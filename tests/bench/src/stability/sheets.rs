@@ -3,7 +3,7 @@
 
 use core::fmt::Write;
 
-use foldpath::folding::{FoldingMap, SpanningTree, rounding};
+use foldpath::folding::{FoldingMap, rounding};
 use foldpath::pattern::{CreasePattern, Edge};
 use foldpath_core::Scalar;
 
@@ -132,9 +132,9 @@ pub fn sizes(sizes: &[usize], csv: &mut String) -> String {
             eprintln!("{size}x{size}, {}", kind.name());
             let tree = Tree::new(&sheet.pattern, kind);
             let [double, single, mixed] = [
-                errors::<f64, f64>(&sheet, &tree, &zigzag),
-                errors::<f32, f32>(&sheet, &tree, &zigzag),
-                errors::<f32, f64>(&sheet, &tree, &zigzag),
+                errors::<f64, f64>(&sheet, tree, &zigzag),
+                errors::<f32, f32>(&sheet, tree, &zigzag),
+                errors::<f32, f64>(&sheet, tree, &zigzag),
             ];
             let (name, depth) = (kind.name(), tree.depth());
             let _ok = writeln!(
@@ -182,9 +182,9 @@ pub struct Motion {
 /// Folds a sheet through zigzag angles (degrees); core solves for the straight angle.
 #[must_use]
 pub fn motion(sheet: &Sheet, zigzags: &[f64]) -> Motion {
-    let tree = SpanningTree::from_central_face(&sheet.pattern);
+    let tree = sheet.pattern.tree();
     let central = Tree::new(&sheet.pattern, Kind::Central);
-    let bound = rounding(&sheet.pattern, &tree);
+    let bound = rounding(&sheet.pattern, tree);
     let mut motion = Motion {
         allowed: [bound.deformation, bound.gap],
         ..Motion::default()
@@ -197,8 +197,8 @@ pub fn motion(sheet: &Sheet, zigzags: &[f64]) -> Motion {
         }
     };
     let by_map = |angles: &[f64]| {
-        let map = FoldingMap::new(&sheet.pattern, &tree, angles);
-        let rigidity = map.rigidity(&sheet.pattern, &tree);
+        let map = FoldingMap::new(&sheet.pattern, tree, angles);
+        let rigidity = map.rigidity(&sheet.pattern, tree);
         [rigidity.deformation, rigidity.gap]
     };
     for &zigzag in zigzags {

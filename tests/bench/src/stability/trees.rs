@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 
-use foldpath::folding::SpanningTree;
 use foldpath::pattern::{CreasePattern, FaceId};
 use foldpath_core::{HalfAngle, Rotation, Scalar};
 use nalgebra::{Vector2, Vector3};
@@ -60,7 +59,7 @@ impl Tree {
     #[must_use]
     pub fn new(pattern: &CreasePattern, kind: Kind) -> Self {
         if kind == Kind::Central {
-            let tree = SpanningTree::from_central_face(pattern);
+            let tree = pattern.tree();
             let steps = tree.steps().iter().map(|step| Step {
                 face: step.face.index(),
                 parent: step.parent.index(),

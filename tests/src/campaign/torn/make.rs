@@ -3,7 +3,6 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use foldpath::folding::SpanningTree;
 use serde_json::{Value, json};
 
 use super::oracle::Oracle;
@@ -319,8 +318,8 @@ impl Strip {
     fn oracle(&self) -> Oracle {
         let file = self.file();
         let path = path_file(&file.to_string()).expect("a path");
-        let tree = SpanningTree::from_central_face(&path.pattern);
-        Oracle::of(&file, &tree).expect("a path with all keys")
+        let tree = path.pattern.tree();
+        Oracle::of(&file, tree).expect("a path with all keys")
     }
 
     /// Returns the file, at random with the positions of the vertices at knots.

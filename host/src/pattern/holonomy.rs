@@ -2,9 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::map::Rigidity;
-use super::tree::SpanningTree;
-use crate::pattern::{CreasePattern, EdgeId, VertexId};
+use super::{CreasePattern, EdgeId, Rigidity, SpanningTree, VertexId};
 use crate::util::csr::{Csr, group_by_key};
 
 /// The vertices and holes enclosed by each loop of faces that the spanning tree closes.

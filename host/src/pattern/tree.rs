@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use nalgebra::Vector2;
 
 use super::holonomy::Holonomy;
-use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
+use super::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::util::csr::Csr;
 
 /// One step of the tree: a face reached from its parent across an edge.
@@ -38,10 +38,9 @@ pub struct SpanningTree {
 }
 
 impl SpanningTree {
-    /// Returns a breadth-first tree from a central face of each sheet, which halves the depth and, with the
+    /// Makes a breadth-first tree from a central face of each sheet, which halves the depth and, with the
     /// depth, the growth of errors. Cost: linear.
-    #[must_use]
-    pub fn from_central_face(pattern: &CreasePattern) -> Self {
+    pub(super) fn from_central_face(pattern: &CreasePattern) -> Self {
         Self::from_faces(pattern, pattern.neighbours(), central)
     }
 
