@@ -15,7 +15,7 @@ use crate::segment_bounds::{self, Judged, Pair, Part};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
-const INTERVALS: u32 = 8;
+const CHECKED_INTERVALS: u32 = 8;
 /// Rounding error by which a curve's value and derivatives may miss a limit, in precisions (ε) of the largest number that
 /// goes into the curve. The second derivative sums six products of four numbers.
 const CURVE_EPSILONS: f64 = 24.0;
@@ -261,8 +261,8 @@ fn keeps<T: Scalar>(
         kept(rate <= slow, Refusal::Speed(group))?;
         kept(bend <= gentle, Refusal::Acceleration(group))
     };
-    let step = T::one() / T::whole(INTERVALS);
-    let places = (0..=INTERVALS).map(|k| T::whole(k) * step);
+    let step = T::one() / T::whole(CHECKED_INTERVALS);
+    let places = (0..=CHECKED_INTERVALS).map(|k| T::whole(k) * step);
     places.chain(extremes(curve)).try_for_each(keeps)?;
     let Some(pair) = pair(curve) else {
         return Ok(());

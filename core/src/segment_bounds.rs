@@ -21,7 +21,7 @@ const MAX_HALVINGS: u32 = 5;
 const MAX_SPOKES: usize = 16;
 /// Part by which a bound may be above a limit that the values at nine places keep. Without it, a motion at its limit
 /// would be halved for ever.
-const SLACK: f64 = 1.0 / 16.0;
+const SLACK_RATIO: f64 = 1.0 / 16.0;
 /// Angle (radians) by which a bound may be outside the limits of a group. Commanded angles are clamped to the limits.
 const RANGE_SLACK_RAD: f64 = 1e-3;
 
@@ -104,7 +104,7 @@ impl<T: Scalar> Pair<T> {
 
 /// Returns the largest factor by which a bound may be above its limit.
 pub(crate) fn slack<T: Scalar>() -> T {
-    T::one() + T::lit(SLACK)
+    T::one() + T::lit(SLACK_RATIO)
 }
 
 /// Returns `true` if |ρ'| (radians by s) is at most `speed` everywhere, within [`slack`] and `noise`. Cost: about 100

@@ -14,9 +14,9 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use foldpath_core::Membership;
 
 /// Speed of a drive for each percent of the supply, radians per microsecond: 6 radians per second at full supply.
-const SPEED: f32 = 6e-8;
+const RAD_PER_US_AND_PERCENT: f32 = 6e-8;
 /// Longest time that one turn of a drive covers, microseconds: the clock begins anew with a reset.
-const LONGEST: u32 = 10_000;
+const MAX_TURN_US: u32 = 10_000;
 
 /// The drive of one or more hinges that turn alike.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl Drive {
     fn turn(&self, command: f32, now: u32, speed: f32) -> f32 {
         let passed = now.wrapping_sub(self.turned.swap(now, Relaxed));
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
-        let most = speed * passed.min(LONGEST) as f32;
+        let most = speed * passed.min(MAX_TURN_US) as f32;
         let angle = f32::from_bits(self.angle.load(Relaxed));
         let way = command - angle;
         let angle = if angle.to_bits() == 0 || way.abs() <= most {
@@ -147,7 +147,7 @@ impl<const GROUPS: usize> Plant<GROUPS> {
         let missing = self.missing.load(Relaxed).min(100);
         let percent = if stuck { 0 } else { 100 - missing };
         #[allow(clippy::cast_precision_loss, reason = "at most 100")]
-        let speed = SPEED * percent as f32;
+        let speed = RAD_PER_US_AND_PERCENT * percent as f32;
         membership.apply(drive.turn(membership.apply(command), now, speed))
     }
 }

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 /// Time after which signals are looked for again.
 const PACE: Duration = Duration::from_millis(20);
 /// Stack of a thread that works, bytes: that of a program's first thread, where the command works.
-const STACK: usize = 8 << 20;
+const STACK_BYTES: usize = 8 << 20;
 
 /// Number of threads that share the work of a call.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +69,7 @@ pub(crate) fn waiting<T: Send + 'static>(
     let shared = Arc::clone(&progress);
     let builder = thread::Builder::new()
         .name("foldpath".into())
-        .stack_size(STACK);
+        .stack_size(STACK_BYTES);
     builder.spawn(move || {
         let result = catch_unwind(AssertUnwindSafe(|| threads.run(|| work(&shared))));
         // Nobody waits any more if the call was cancelled.

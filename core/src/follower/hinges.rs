@@ -62,8 +62,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         hinges: impl Iterator<Item = Membership>,
         mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
-        let surveys = self.state == State::Ready && !self.stands;
-        let groups = if self.stands { self.groups } else { 0 };
+        let surveys = self.state == State::Ready && !self.knows_position;
+        let groups = if self.knows_position { self.groups } else { 0 };
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
         let groups = groups.min(GROUPS);
         let angles = self.angles.get(..groups).unwrap_or(&[]);

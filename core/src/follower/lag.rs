@@ -3,7 +3,7 @@
 use crate::Scalar;
 
 /// Number of lagging hinges that are remembered.
-const REMEMBERED: usize = 4;
+const MAX_REMEMBERED: usize = 4;
 
 /// A hinge and its distance from its command when it was last measured, radians; 0 for no hinge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct Lag<T> {
 /// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LagWatch<T> {
-    worst: [Lag<T>; REMEMBERED],
+    worst: [Lag<T>; MAX_REMEMBERED],
     /// `true` if a hinge is remembered.
     any: bool,
     /// Time for which a hinge was stuck, less the time for which none was, microseconds.

@@ -70,16 +70,17 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     ended: bool,
 
     groups: usize,
-    /// `stands`: `true` if it is known that the groups stand at `angles`. `told`: `true` if somebody has said that they
-    /// stand where the path begins. `survey`: what was measured while it is not known.
-    stands: bool,
-    told: bool,
-    /// `begun`: `true` if the angles are those of the position in the queue. Otherwise they are those of the position
-    /// `stood`, on the path before.
-    begun: bool,
-    stood: FollowerPosition<T>,
+    /// `true` if it is known that the groups stand at `angles`.
+    knows_position: bool,
+    /// `true` if somebody has said that the groups stand where the path begins.
+    is_confirmed: bool,
+    /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
+    is_on_path: bool,
+    /// Position on the path before.
+    last_position: FollowerPosition<T>,
     /// `true` if the groups stand beside the path, because an approach was broken off.
-    astray: bool,
+    is_off_path: bool,
+    /// Measurements made while it is not known where the groups stand.
     survey: Survey<T, GROUPS>,
     angles: [T; GROUPS],
     rates: [T; GROUPS],
@@ -113,11 +114,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             next: 0,
             ended: false,
             groups: 0,
-            stands: false,
-            told: false,
-            begun: false,
-            stood: FollowerPosition::default(),
-            astray: false,
+            knows_position: false,
+            is_confirmed: false,
+            is_on_path: false,
+            last_position: FollowerPosition::default(),
+            is_off_path: false,
             survey: Survey::new(),
             angles: [T::zero(); GROUPS],
             rates: [T::zero(); GROUPS],
@@ -173,14 +174,14 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
 
     /// Returns `true` if the groups stand beside the path, because an approach has not ended.
     #[must_use]
-    pub fn is_astray(&self) -> bool {
-        self.astray || self.is_approaching()
+    pub fn is_off_path(&self) -> bool {
+        self.is_off_path || self.is_approaching()
     }
 
     /// Returns `true` if it is known where the groups stand.
     #[must_use]
     pub fn is_known(&self) -> bool {
-        self.stands
+        self.knows_position
     }
 
     /// Returns the rate of the path clock, seconds of the path in a second, from 0 to 1.
@@ -194,8 +195,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     #[inline(never)]
     #[must_use]
     pub fn position(&self) -> FollowerPosition<T> {
-        let here = self.queue.position().filter(|_| self.begun);
-        here.unwrap_or(self.stood)
+        let here = self.queue.position().filter(|_| self.is_on_path);
+        here.unwrap_or(self.last_position)
     }
 
     /// Returns the number of the setpoint that is expected next.
@@ -241,7 +242,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     fn known<'a>(&self, values: &'a [T]) -> &'a [T] {
-        let groups = if self.stands { self.groups } else { 0 };
+        let groups = if self.knows_position { self.groups } else { 0 };
         values.get(..groups).unwrap_or(&[])
     }
 
@@ -274,7 +275,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if groups == 0 || groups > GROUPS {
             return Err(Denial::Groups);
         }
-        self.stands &= self.groups == groups;
+        self.knows_position &= self.groups == groups;
         (self.groups, self.survey) = (groups, Survey::new());
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
@@ -294,8 +295,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.clock.rate() > T::zero() || self.state == State::Running {
             return Err(Denial::Moving);
         }
-        (self.stood, self.astray) = (self.position(), self.is_astray());
-        (self.begun, self.told) = (false, false);
+        (self.last_position, self.is_off_path) = (self.position(), self.is_off_path());
+        (self.is_on_path, self.is_confirmed) = (false, false);
         self.approach = Approach::none();
         self.queue.clear();
         self.pending = None;

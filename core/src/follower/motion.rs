@@ -55,8 +55,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         if let Some(group) = self.queue.leap(&self.angles, &angles, dt) {
             // The groups stay where they were, and so does the position that is told.
-            (self.begun, self.stood) = (false, before);
-            self.astray |= approaches;
+            (self.is_on_path, self.last_position) = (false, before);
+            self.is_off_path |= approaches;
             self.fail(Fault::Leap(group));
         } else {
             (self.angles, self.rates) = (angles, rates);

@@ -7,7 +7,7 @@ use crate::follower::{Denial, Follower, FollowerPosition, Options, State};
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Tells the follower where the groups stand (radians), as commanded before a reset, and at which position on their
-    /// path; no angles if only the position is known. `astray` is what [`is_astray`](Self::is_astray) was.
+    /// path; no angles if only the position is known. `is_off_path` is what [`is_off_path`](Self::is_off_path) was.
     ///
     /// # Errors
     /// If not idle, or if there are too many groups.
@@ -15,15 +15,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         &mut self,
         angles: &[T],
         position: FollowerPosition<T>,
-        astray: bool,
+        is_off_path: bool,
     ) -> Result<(), Denial> {
         if self.state != State::Idle {
             return Err(Denial::State);
         }
         let mine = self.angles.get_mut(..angles.len());
         mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
-        (self.groups, self.stands) = (angles.len(), !angles.is_empty());
-        (self.stood, self.astray) = (position, astray);
+        (self.groups, self.knows_position) = (angles.len(), !angles.is_empty());
+        (self.last_position, self.is_off_path) = (position, is_off_path);
         Ok(())
     }
 
@@ -34,12 +34,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// If not ready, if held or stopped, if it is known where the groups stand, if the path does not begin at its first
     /// setpoints, or if a hinge was measured farther from there than `reach`.
     pub fn confirm(&mut self) -> Result<(), Denial> {
-        if self.stands {
+        if self.knows_position {
             return Err(Denial::State);
         }
         let begin = self.ready()?;
         self.survey.near(begin, self.groups, self.options.reach)?;
-        self.told = true;
+        self.is_confirmed = true;
         Ok(())
     }
 
@@ -52,8 +52,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if self.state != State::Ready {
             self.unload()?;
         }
-        (self.stands, self.told, self.astray) = (false, false, false);
-        (self.stood, self.survey) = (FollowerPosition::default(), Survey::new());
+        (self.knows_position, self.is_confirmed, self.is_off_path) = (false, false, false);
+        (self.last_position, self.survey) = (FollowerPosition::default(), Survey::new());
         Ok(())
     }
 
@@ -92,9 +92,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             approach,
             ..
         } = self.options;
-        let (stand, reach) = if self.stands {
-            (self.angles, if self.astray { reach } else { jump })
-        } else if self.told {
+        let (stand, reach) = if self.knows_position {
+            (self.angles, if self.is_off_path { reach } else { jump })
+        } else if self.is_confirmed {
             (self.survey.near(begin, self.groups, reach)?, reach)
         } else {
             // The next start needs new measurements.
@@ -109,8 +109,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let speeds = self.queue.speeds().map(|speed| speed.min(approach));
         self.approach.begin(&stand, &begin, self.groups, speeds);
-        (self.angles, self.stands) = (stand, true);
-        (self.begun, self.told, self.astray) = (true, false, false);
+        (self.angles, self.knows_position) = (stand, true);
+        (self.is_on_path, self.is_confirmed, self.is_off_path) = (true, false, false);
         self.still();
         self.heard = self.now;
         self.lag = LagWatch::default();

@@ -13,7 +13,7 @@ use crate::follower::Denial;
 pub(super) struct Survey<T, const GROUPS: usize> {
     ranges: [Ranges<T, GROUPS>; 2],
     /// Time of the first measurement of the newer ranges, microseconds; `None` if nothing was measured.
-    begun: Option<u64>,
+    started_at: Option<u64>,
 }
 
 type Ranges<T, const GROUPS: usize> = [[T; 2]; GROUPS];
@@ -25,7 +25,7 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     pub(super) fn new() -> Self {
         Self {
             ranges: [[[T::MAX, -T::MAX]; GROUPS]; 2],
-            begun: None,
+            started_at: None,
         }
     }
 
@@ -37,8 +37,8 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         if now.saturating_sub(at) > u64::from(fresh) {
             return;
         }
-        let begun = self.begun.get_or_insert(at);
-        *begun = at.min(*begun);
+        let started_at = self.started_at.get_or_insert(at);
+        *started_at = at.min(*started_at);
         let [newer, _] = &mut self.ranges;
         let Some([low, high]) = newer.get_mut(group) else {
             return;
@@ -53,7 +53,9 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     /// Forgets measurements that are older than `fresh` microseconds, and none that is younger than half of it.
     #[inline(never)]
     pub(super) fn age(&mut self, now: u64, fresh: u32) {
-        let age = self.begun.map_or(0, |begun| now.saturating_sub(begun));
+        let age = self
+            .started_at
+            .map_or(0, |started_at| now.saturating_sub(started_at));
         let fresh = u64::from(fresh);
         if age <= fresh / 2 {
             return;
@@ -64,7 +66,7 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
             let range = core::mem::replace(newer, empty);
             *older = if age <= fresh { range } else { empty };
         }
-        self.begun = None;
+        self.started_at = None;
     }
 
     /// Returns the range of each group over both times.
@@ -93,30 +95,30 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         Ok(angles)
     }
 
-    /// Returns the angles of the first `groups` groups, of which somebody has said that they are `told`: the middle of
-    /// the range of those that were measured, and what was told of all others.
+    /// Returns the angles of the first `groups` groups, of which somebody has said that they are `claimed`: the middle of
+    /// the range of those that were measured, and the claimed angles of all others.
     ///
     /// # Errors
-    /// If a group was measured farther than `reach` from what was told.
+    /// If a group was measured farther than `reach` from its claimed angle.
     #[inline(never)]
     pub(super) fn near(
         &self,
-        mut told: [T; GROUPS],
+        mut claimed: [T; GROUPS],
         groups: usize,
         reach: T,
     ) -> Result<[T; GROUPS], Denial> {
-        let places = told.iter_mut().zip(self.both()).take(groups);
+        let places = claimed.iter_mut().zip(self.both()).take(groups);
         for (group, (angle, [low, high])) in (0..=u16::MAX).zip(places) {
             if low > high {
                 continue;
             }
-            // A told angle that is no number is far from every other.
+            // A claimed angle that is no number is far from every other.
             let near = high - *angle <= reach && *angle - low <= reach;
             if !near {
                 return Err(Denial::Jump(group));
             }
             *angle = low + (high - low) * T::HALF;
         }
-        Ok(told)
+        Ok(claimed)
     }
 }

@@ -37,9 +37,9 @@ pub struct Driver<'a> {
     /// Reverse of the path.
     reverse: Option<PathItems<'a>>,
     /// Items to send: none until it is known where to begin.
-    begun: Option<PathItems<'a>>,
+    current: Option<PathItems<'a>>,
     /// Position that the controller told, if it is not on the path.
-    astray: Option<FollowerPosition<f32>>,
+    off_path: Option<FollowerPosition<f32>>,
     started: bool,
     stopping: bool,
     /// `true` until the operator's word was passed on that the sheet stands where the path begins.
@@ -61,8 +61,8 @@ impl<'a> Driver<'a> {
             persistence,
             path,
             reverse: None,
-            begun: None,
-            astray: None,
+            current: None,
+            off_path: None,
             started: false,
             stopping: false,
             confirms: false,
@@ -127,7 +127,7 @@ impl<'a> Driver<'a> {
     /// Returns the number of setpoints that the controller has taken.
     #[must_use]
     pub fn setpoints(&self) -> u64 {
-        let head = self.begun.map_or(u64::MAX, |items| items.head() as u64);
+        let head = self.current.map_or(u64::MAX, |items| items.head() as u64);
         let items = self.sender.acknowledged().saturating_sub(head);
         items / self.path.pieces() as u64
     }
@@ -135,13 +135,13 @@ impl<'a> Driver<'a> {
     /// Returns the number of the knot that was sent first.
     #[must_use]
     pub fn first_knot(&self) -> u64 {
-        self.begun.map_or(0, |items| items.first() as u64)
+        self.current.map_or(0, |items| items.first() as u64)
     }
 
     /// Returns the place where the sheet stands, if it is not on the path.
     #[must_use]
-    pub fn astray(&self) -> Option<FollowerPosition<f32>> {
-        self.astray
+    pub fn off_path(&self) -> Option<FollowerPosition<f32>> {
+        self.off_path
     }
 
     /// Returns `true` if the whole path was sent, and the controller is at its end.
@@ -174,7 +174,7 @@ impl<'a> Driver<'a> {
         let message = self.sender.receive(frame, now)?;
         if let ToHost::Report(report) = message {
             let moves = matches!(report.state, State::Running | State::Done);
-            let head = self.begun.map(|items| items.head() as u64);
+            let head = self.current.map(|items| items.head() as u64);
             self.started |= moves && head.is_some_and(|head| self.sender.acknowledged() > head);
         }
         Some(message)
@@ -200,19 +200,19 @@ impl<'a> Driver<'a> {
                 self.asked = Some(now);
             }
         }
-        self.sender.poll(now, &self.begun, scratch, buffer)
+        self.sender.poll(now, &self.current, scratch, buffer)
     }
 
     /// Chooses the place to begin at, once the sheet is at rest. While the sheet moves on an old path there is no room,
     /// and the place told is not the last one. A fault has to be cleared before.
     fn begin(&mut self, report: &Report) {
         let rests = report.limit != report.next && report.state != State::Faulted;
-        if self.begun.is_some() || !rests || self.stopping || self.is_kept_out() {
+        if self.current.is_some() || !rests || self.stopping || self.is_kept_out() {
             return;
         }
         // A controller that was on no path yet begins as well at the start.
-        let told = self.confirms || self.measures;
-        let begins = self.persistence == Persistence::None || told || report.path == 0;
+        let is_placed_anew = self.confirms || self.measures;
+        let begins = self.persistence == Persistence::None || is_placed_anew || report.path == 0;
         let place = if begins {
             Some(FollowerPosition::default())
         } else if report.path == self.path.identity() {
@@ -221,8 +221,8 @@ impl<'a> Driver<'a> {
             let turns = self.reverse.map(|path| path.identity()) == Some(report.path);
             self.path.mirrored(report.place).filter(|_| turns)
         };
-        self.begun = place.and_then(|place| self.path.at(place));
-        self.astray = self.begun.is_none().then_some(report.place);
+        self.current = place.and_then(|place| self.path.at(place));
+        self.off_path = self.current.is_none().then_some(report.place);
     }
 
     /// Returns `true` if the host undoes whatever holds the motion, a stop line and a fault as well.
@@ -246,7 +246,7 @@ impl<'a> Driver<'a> {
 
     /// Returns `true` if all items were sent and have come.
     fn is_sent(&self) -> bool {
-        let items = self.begun.map(|items| items.count() as u64);
+        let items = self.current.map(|items| items.count() as u64);
         items == Some(self.sender.acknowledged())
     }
 
@@ -265,13 +265,13 @@ impl<'a> Driver<'a> {
         if report.state == State::Faulted {
             return self.recovers().then_some(Command::Clear);
         }
-        self.begun?;
+        self.current?;
         if self.undoes(report) {
             return Some(Command::Resume);
         }
         // The controller's queue is as full as it can be, or the rest of the path is before the command on the line. If a
         // setpoint of the rest gets lost, the motion waits for it at the last one before it.
-        let items = self.begun.map(|items| items.count() as u64);
+        let items = self.current.map(|items| items.count() as u64);
         let full = items == Some(self.sender.under_way()) || report.limit == report.next;
         let command = if report.known && (self.confirms || self.measures) {
             Command::Forget

@@ -24,9 +24,9 @@ pub fn epoch(now: u64) -> u32 {
 
 /// Returns the lowest 8 bits of an epoch.
 #[must_use]
-pub fn told(epoch: u32) -> u8 {
-    let [told, ..] = epoch.to_le_bytes();
-    told
+pub fn low_byte(epoch: u32) -> u8 {
+    let [low_byte, ..] = epoch.to_le_bytes();
+    low_byte
 }
 
 /// Returns `true` if a frame with these lowest bits of an epoch is fresh in the epoch `now`, in a session of which a frame
@@ -36,7 +36,7 @@ pub fn told(epoch: u32) -> u8 {
 /// was kept back in it might seem fresh.
 #[must_use]
 pub fn is_fresh(bits: u8, now: u32, last: u32) -> bool {
-    told(now).wrapping_sub(bits) <= 1 && now.wrapping_sub(last) < 128
+    low_byte(now).wrapping_sub(bits) <= 1 && now.wrapping_sub(last) < 128
 }
 
 /// A key of 128 bits.

@@ -9,7 +9,7 @@ use crate::wire::key::{Channel, Direction, Key, Nonces, StoredKey, is_fresh};
 /// Largest number of sessions that a controller with a key offers in a run. The number of a session is the sum of the
 /// host's id and a count that passes over at most two numbers for each offer. So it does not come again for that host, which
 /// would then have the same keys again.
-const MOST_OFFERS: u32 = 1 << 30;
+const MAX_OFFERS: u32 = 1 << 30;
 
 /// Protection of the frames of a [`Receiver`](crate::wire::receiver::Receiver). Without a key it is [`Unkeyed`].
 pub trait Protection: Clone + fmt::Debug {
@@ -166,7 +166,7 @@ impl Protection for Keyed {
         let StoredKey::Key(key) = &self.key else {
             return Some(None);
         };
-        (self.offers < MOST_OFFERS).then_some(())?;
+        (self.offers < MAX_OFFERS).then_some(())?;
         self.offers += 1;
         Some(Some(Tagged {
             channel: Channel::new(key, Direction::ToHost, nonces, session, 0),

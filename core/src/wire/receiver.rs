@@ -161,10 +161,10 @@ impl<P: Protection> Receiver<P> {
     /// Takes a frame while there is room for `room` items. The caller has to answer the event before the next frame.
     pub fn receive<'b>(&mut self, bytes: &'b [u8], room: u16) -> Option<Event<'b>> {
         let session = frame::session(self.identity.node, bytes)?;
-        let mut greeted = None;
+        let mut greeting = None;
         let covered = if session == 0 {
             let (upper, covered) = self.protection.greeting(bytes)?;
-            greeted = Some(upper);
+            greeting = Some(upper);
             covered
         } else {
             let open = self.session() == Some(session);
@@ -181,7 +181,7 @@ impl<P: Protection> Receiver<P> {
             }
         };
         let message = frame::message(covered)?;
-        if let Some(upper) = greeted {
+        if let Some(upper) = greeting {
             if let ToDevice::Hello {
                 version,
                 schema,
@@ -409,7 +409,7 @@ impl<P: Protection> Receiver<P> {
                 id,
                 session,
                 nonce,
-                epoch: key::told(self.epoch),
+                epoch: key::low_byte(self.epoch),
                 capacity,
             };
             self.seal(0, upper, &message, buffer)
@@ -436,7 +436,7 @@ impl<P: Protection> Receiver<P> {
             next: self.course.next,
             limit: self.course.next.wrapping_add(room),
             heard: self.course.heard,
-            epoch: key::told(self.epoch),
+            epoch: key::low_byte(self.epoch),
             gap: self.course.gap == Gap::Seen,
             refused: self.course.refused,
             command: self.course.command,

@@ -175,7 +175,7 @@ pub struct Sender {
     repeated: u64,
     trips: RoundTrips,
     /// Time of the first greeting, microseconds.
-    greeted: Option<u64>,
+    greeted_at: Option<u64>,
     /// Time of the first frame since a report has told of one more, microseconds.
     asked: Option<u64>,
     /// Time when the controller last took an item, or when the last item had left, microseconds.
@@ -212,7 +212,7 @@ impl Sender {
             rewound: None,
             repeated: 0,
             trips: RoundTrips::default(),
-            greeted: None,
+            greeted_at: None,
             asked: None,
             progress: 0,
             leaves: false,
@@ -388,10 +388,10 @@ impl Sender {
                 id: self.id,
             };
             let due = since(self.sent) >= retry;
-            if due && self.greeted.is_some() {
+            if due && self.greeted_at.is_some() {
                 self.trips.repeat();
             }
-            self.greeted = self.greeted.or(Some(now).filter(|_| due));
+            self.greeted_at = self.greeted_at.or(Some(now).filter(|_| due));
             return due.then_some((0, hello));
         }
         let number = self.number;
@@ -488,8 +488,8 @@ impl Sender {
                 (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
                 self.epoch = epoch;
                 self.capacity = Some(capacity);
-                if let Some(greeted) = self.greeted.filter(|_| self.trips.repeated == 0) {
-                    self.trips.measure(now.saturating_sub(greeted));
+                if let Some(greeted_at) = self.greeted_at.filter(|_| self.trips.repeated == 0) {
+                    self.trips.measure(now.saturating_sub(greeted_at));
                 }
             }
             _ if session != self.session || self.phase == Phase::Greeting => return None,

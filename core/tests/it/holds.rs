@@ -214,14 +214,14 @@ fn an_approach_goes_on_behind_a_reset() {
     run.follower.start().unwrap();
     (0..300).for_each(|_| _ = run.tick());
     let (angles, place) = (run.follower.angles().to_vec(), run.follower.position());
-    assert!(run.follower.is_astray());
+    assert!(run.follower.is_off_path());
     let mut again = Run::<2>::new();
     again.follower.stand(&angles, place, true).unwrap();
     again.load(0.5);
     again.follower.start().unwrap();
     assert_eq!(again.follower.angles(), angles);
     again.until(State::Done);
-    assert!(!again.follower.is_astray());
+    assert!(!again.follower.is_off_path());
 }
 
 /// The position that is told is that of the angles that are commanded, whatever fails.

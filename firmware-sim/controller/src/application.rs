@@ -16,7 +16,7 @@ use crate::retained::{self, Bytes, HEAD, Record};
 /// Microseconds between two ticks.
 pub const TICK: u64 = 1000;
 /// Largest number of bytes that are decoded in a round before answers are sent.
-const BURST: usize = 64;
+const MAX_BURST_BYTES: usize = 64;
 
 /// The services that a controller needs of its board.
 pub trait Board {
@@ -227,7 +227,7 @@ where
     }
 
     fn receive(&mut self, now: u64) {
-        for _ in 0..BURST {
+        for _ in 0..MAX_BURST_BYTES {
             let mut byte = [0];
             if self.device.is_busy() {
                 return;

@@ -28,10 +28,10 @@ pub const FRAME: usize = 256;
 pub const WAITING: usize = 512;
 /// Bytes of the ring that telemetry leaves free for answers: four reports, or three of the longest ones with a key, which have
 /// 65 bytes.
-const RESERVE: usize = 4 * cobs::longest(64);
+const RESERVE_BYTES: usize = 4 * cobs::longest(64);
 /// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
 /// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
-const GREETINGS: u64 = 50_000;
+const MIN_GREETING_US: u64 = 50_000;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
 pub const ALONE: Membership = Membership {
@@ -124,7 +124,7 @@ pub struct Controller<
     asks: bool,
     asked: u64,
     /// Time of the last answer that was no report.
-    greeted: Option<u64>,
+    greeted_at: Option<u64>,
     snapshot: Snapshot<GROUPS>,
     window: Window,
     deframer: Deframer<FRAME>,
@@ -179,7 +179,7 @@ impl<
             telemetry: 0,
             asks: false,
             asked: 0,
-            greeted: None,
+            greeted_at: None,
             snapshot: Snapshot::none(),
             window: Window::new(),
         }
@@ -191,7 +191,7 @@ impl<
     pub fn restore(&mut self, record: &Record<GROUPS>, held: bool) {
         let angles = if held { record.angles() } else { &[] };
         let follower = &mut self.loader.follower;
-        let _ = follower.stand(angles, record.place, record.astray);
+        let _ = follower.stand(angles, record.place, record.off_path);
         (self.loader.path, self.loader.on) = (record.path, record.sheet);
         if record.stopped {
             self.loader.follower.hold(Reason::StopLine);
@@ -208,7 +208,7 @@ impl<
         (record.starts, record.count) = (starts, count);
         record.stopped = self.loader.follower.is_stopped();
         record.fault = self.loader.follower.fault();
-        record.astray = self.loader.follower.is_astray();
+        record.off_path = self.loader.follower.is_off_path();
         record.place = self.loader.follower.position();
         (record.path, record.sheet) = (self.loader.path, self.loader.on);
         record.stand(self.loader.follower.angles());
@@ -459,15 +459,20 @@ impl<
         while let Some(frame) = self.receiver.poll(&status, items, &mut buffer) {
             let reports = self.receiver.reports();
             let since = |then| now.saturating_sub(then);
-            let early = self.greeted.is_some_and(|then| since(then) < GREETINGS);
+            let early = self
+                .greeted_at
+                .is_some_and(|then| since(then) < MIN_GREETING_US);
             if P::KEYED && !reports && early {
                 break;
             }
-            if !self.ring.add(frame, if reports { 0 } else { RESERVE }) {
+            if !self
+                .ring
+                .add(frame, if reports { 0 } else { RESERVE_BYTES })
+            {
                 return;
             }
             if !reports {
-                self.greeted = Some(now);
+                self.greeted_at = Some(now);
             }
             self.receiver.sent();
             self.told = Some((state, reason, room, stopped));
@@ -505,7 +510,7 @@ impl<
         }
         while let Some(message) = self.message() {
             let frame = self.receiver.post(&message, buffer);
-            if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE)) {
+            if !frame.is_some_and(|frame| self.ring.add(frame, RESERVE_BYTES)) {
                 return;
             }
             self.receiver.posted();

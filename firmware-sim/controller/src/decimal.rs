@@ -1,7 +1,7 @@
 //! Numbers of a text, read by the compiler or without `core`'s large tables: exactly rounded.
 
 /// Largest number of significant digits, and of digits behind the point. 10¹⁹ is below 2⁶⁴.
-const DIGITS: u32 = 19;
+const MAX_DIGITS: u32 = 19;
 
 /// Reads a whole number of 16 bits.
 pub(crate) const fn whole(mut text: &[u8]) -> Option<u16> {
@@ -43,7 +43,7 @@ pub(crate) const fn number(text: &[u8]) -> Option<f32> {
             any = true;
             digits += (value > 0 || digit > 0) as u32;
             decimals += point as u32;
-            if digits > DIGITS || decimals > DIGITS {
+            if digits > MAX_DIGITS || decimals > MAX_DIGITS {
                 return None;
             }
             value = 10 * value + digit as u64;

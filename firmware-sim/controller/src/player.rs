@@ -12,7 +12,7 @@ use foldpath_core::wire::sender::Source;
 use crate::controller::{Controller, FRAME, settle};
 
 /// Microseconds without a frame of the host after which a button counts.
-const QUIET: u64 = 1_000_000;
+const QUIET_US: u64 = 1_000_000;
 
 /// Reason why a [`Player`] did not do what it was asked, or why it stopped.
 #[non_exhaustive]
@@ -248,7 +248,7 @@ impl<
     }
 
     fn is_hosted(&self) -> bool {
-        self.receiver.session().is_some() && self.loader.follower.quiet() < QUIET
+        self.receiver.session().is_some() && self.loader.follower.quiet() < QUIET_US
     }
 
     fn press(&mut self, player: &mut Player<'_>, flat: bool) -> Result<(), PlayRefusal> {

@@ -77,7 +77,7 @@ pub struct Record<const GROUPS: usize> {
     /// `true` if the stop line holds the motion.
     pub stopped: bool,
     /// `true` if the groups stand beside the path, because an approach has not ended.
-    pub astray: bool,
+    pub off_path: bool,
     /// Failure of the motion, if it has failed.
     pub fault: Option<Fault>,
     /// Position on the path.
@@ -97,7 +97,7 @@ impl<const GROUPS: usize> Default for Record<GROUPS> {
             starts: 0,
             count: 0,
             stopped: false,
-            astray: false,
+            off_path: false,
             fault: None,
             place: FollowerPosition::default(),
             path: 0,
@@ -139,7 +139,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
         let numbers = [
             self.starts,
             self.count,
-            u32::from(self.stopped) | u32::from(self.astray) << 1,
+            u32::from(self.stopped) | u32::from(self.off_path) << 1,
             fault,
             of,
             self.place.knot,
@@ -196,7 +196,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
             starts: number(starts),
             count: number(count),
             stopped: number(flags) & 1 != 0,
-            astray: number(flags) & 2 != 0,
+            off_path: number(flags) & 2 != 0,
             fault: match number(fault) {
                 0 => None,
                 1 => Some(Fault::Stalled(number(of))),
@@ -310,7 +310,7 @@ mod tests {
                 starts: 3,
                 count: 9,
                 stopped,
-                astray: fault.is_none() != stopped,
+                off_path: fault.is_none() != stopped,
                 fault,
                 path: 17,
                 sheet: u32::MAX,

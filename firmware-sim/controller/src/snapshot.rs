@@ -4,7 +4,7 @@ use foldpath_core::follower::{Follower, FollowerPosition, State};
 use foldpath_core::wire::message::ToHost;
 
 /// Largest number of groups in a message of telemetry.
-const TOLD: usize = 48;
+const MAX_TOLD_GROUPS: usize = 48;
 
 /// Telemetry that is being sent, in pieces.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ impl<const GROUPS: usize> Snapshot<GROUPS> {
     /// Returns the next piece, if there is one.
     pub(crate) fn message(&self) -> Option<ToHost<'_>> {
         let sent = self.sent?;
-        let end = self.groups.min(sent + TOLD);
+        let end = self.groups.min(sent + MAX_TOLD_GROUPS);
         Some(ToHost::Telemetry {
             time: self.time,
             state: self.state,
@@ -70,7 +70,7 @@ impl<const GROUPS: usize> Snapshot<GROUPS> {
 
     /// Notes that the piece is on its way.
     pub(crate) fn sent(&mut self) {
-        let next = self.sent.map(|sent| sent + TOLD);
+        let next = self.sent.map(|sent| sent + MAX_TOLD_GROUPS);
         self.sent = next.filter(|next| *next < self.groups);
     }
 }

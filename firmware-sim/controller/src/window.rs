@@ -7,7 +7,7 @@ use foldpath_core::wire::message::ToHost;
 use crate::jog::Jog;
 
 /// Largest number of hinges in a window.
-const WIDTH: u16 = 48;
+const MAX_WINDOW_HINGES: u16 = 48;
 
 /// The angles that were measured of some hinges in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(crate) struct Window {
     first: u16,
     target: Option<f32>,
     count: u16,
-    pub(crate) angles: [[u8; 4]; WIDTH as usize],
+    pub(crate) angles: [[u8; 4]; MAX_WINDOW_HINGES as usize],
 }
 
 impl Window {
@@ -29,7 +29,7 @@ impl Window {
             first: 0,
             target: None,
             count: 0,
-            angles: [[0; 4]; WIDTH as usize],
+            angles: [[0; 4]; MAX_WINDOW_HINGES as usize],
         }
     }
 
@@ -37,7 +37,11 @@ impl Window {
     #[inline(never)]
     pub(crate) fn begin(&mut self, alone: Option<u16>) {
         self.first = alone.unwrap_or(self.next);
-        self.count = if alone.is_some() { 1 } else { WIDTH };
+        self.count = if alone.is_some() {
+            1
+        } else {
+            MAX_WINDOW_HINGES
+        };
         self.target = None;
     }
 
@@ -52,7 +56,7 @@ impl Window {
         let next = self.first.saturating_add(self.count);
         self.next = if behind > 0 { next } else { 0 };
         self.count = if measured {
-            u16::try_from(hinges).unwrap_or(WIDTH)
+            u16::try_from(hinges).unwrap_or(MAX_WINDOW_HINGES)
         } else {
             0
         };

@@ -517,7 +517,10 @@ fn a_jog_and_a_sheet_keep_apart() {
         .collect();
     assert_eq!((bench.commands.len(), commanded), (50, vec![3]));
     let kept: Record<4> = bench.device.record(1, 1);
-    assert_eq!((kept.angles(), kept.path, kept.astray), (&[][..], 0, false));
+    assert_eq!(
+        (kept.angles(), kept.path, kept.off_path),
+        (&[][..], 0, false)
+    );
     let mut other = Device::protected(settings(2), Unkeyed);
     other.restore(&kept, true);
     assert!(!other.follower().is_known());
@@ -539,7 +542,7 @@ fn a_jog_and_a_sheet_keep_apart() {
 fn a_jog_forgets_the_place_that_a_reset_has_left() {
     let mut bench = Bench::new(BLIND);
     let mut kept = Record::<4>::default();
-    (kept.path, kept.sheet, kept.place.knot, kept.astray) = (77, 5, 9, true);
+    (kept.path, kept.sheet, kept.place.knot, kept.off_path) = (77, 5, 9, true);
     bench.device.restore(&kept, true);
     bench.jog(3, None, None).unwrap();
     bench.run(1);
@@ -553,7 +556,7 @@ fn a_jog_forgets_the_place_that_a_reset_has_left() {
         (bench.report.unwrap().path, bench.report.unwrap().place.knot),
         (0, 0)
     );
-    assert!(!bench.device.record(1, 1).astray);
+    assert!(!bench.device.record(1, 1).off_path);
 }
 
 /// The windows go round the sheet, each of the tick of the telemetry before it. What was not measured is no number.

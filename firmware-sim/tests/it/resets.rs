@@ -236,7 +236,7 @@ fn a_place_belongs_to_its_path() {
     machine.run(Some(&mut host), 400);
     let mut other = back.driver(Persistence::Resume, 8);
     machine.run(Some(&mut other), 300);
-    assert!(other.astray().is_some());
+    assert!(other.off_path().is_some());
     let mut host = path.driver(Persistence::Resume, 9);
     machine.run(Some(&mut host), 3000);
     assert_eq!(told(&host).state, State::Done);

@@ -36,7 +36,7 @@ const SPECIAL: [&str; 8] = [
 ];
 /// Height of a lower-case letter over the size of the font, used if the font does not state it. CSS falls back to this
 /// value.
-const X_HEIGHT: f64 = 0.5;
+const X_HEIGHT_RATIO: f64 = 0.5;
 
 /// Bytes of a font file.
 pub(crate) struct Font(Vec<u8>);
@@ -117,7 +117,7 @@ fn outline(text: &Node<'_, '_>, face: &Face<'_>, out: &mut String) {
     let size = number("font-size").unwrap_or(16.0);
     let em = f64::from(face.units_per_em());
     let scale = size / em;
-    let x_height = face.x_height().map_or(X_HEIGHT * em, f64::from);
+    let x_height = face.x_height().map_or(X_HEIGHT_RATIO * em, f64::from);
     let label = text.text().unwrap_or_default().trim();
     let glyphs: Vec<_> = label
         .chars()

@@ -101,7 +101,7 @@ fn of_goal(error: &GoalError) -> Option<String> {
 }
 
 /// Number of bytes at the beginning of a file by which its format is recognised.
-const HEAD: u64 = 512;
+const HEAD_BYTES: u64 = 512;
 
 /// Returns the first line of a file, within its first bytes, that is neither empty nor a comment with `#`. Pipes and
 /// devices are not read: for these it returns `None`, as for stdin.
@@ -111,7 +111,7 @@ fn head(path: &Path) -> Option<String> {
     }
     let mut head = Vec::new();
     let file = std::fs::File::open(path).ok()?;
-    file.take(HEAD).read_to_end(&mut head).ok()?;
+    file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let text = String::from_utf8_lossy(&head);
     let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'))?;

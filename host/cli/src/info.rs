@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::args::Info;
 use crate::report::lost_lines;
 use crate::standard::Input;
-use crate::{Answer, outlook, print, print_json, print_notes};
+use crate::{Answer, foldability, print, print_json, print_notes};
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
@@ -28,7 +28,9 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
     let text = summary(&file, &info);
-    print(&(text + &outlook::text(pattern, &info.crease_groups, &info.forecast, &args.pattern)))?;
+    print(
+        &(text + &foldability::text(pattern, &info.crease_groups, &info.forecast, &args.pattern)),
+    )?;
     Ok(true)
 }
 

@@ -12,7 +12,7 @@ use crate::standard::is_standard;
 use crate::{CliError, print_to};
 
 /// Size of the buffer for writing, bytes.
-const BUFFER: usize = 1 << 18;
+const BUFFER_BYTES: usize = 1 << 18;
 
 /// Writes `content` to `path`, so that `path` never holds a part of it; `-` stands for stdout.
 ///
@@ -117,7 +117,7 @@ fn beside(
 }
 
 fn fill(file: &File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(BUFFER, file);
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
     content(&mut out)?;
     out.flush()
 }
@@ -152,7 +152,7 @@ mod tests {
         let path = folder.path().join("sheet.fold");
         write_whole(&path, b"before").unwrap();
         let refused = write_whole_with(&path, |out| {
-            out.write_all(&vec![b'x'; 2 * BUFFER])?;
+            out.write_all(&vec![b'x'; 2 * BUFFER_BYTES])?;
             Err(io::ErrorKind::StorageFull.into())
         });
         assert!(

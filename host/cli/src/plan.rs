@@ -4,19 +4,19 @@ use core::time::Duration;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::args::Plan;
+use crate::args;
 use crate::output::write_whole_with;
 use crate::progress::watched;
 use crate::report::{lost_lines, outcome};
 use crate::standard::{Input, print_summary, shown};
 use crate::{Answer, CliError, check_output, hints, print_json, print_notes, say};
 use foldpath::export::fold::write_motion;
-use foldpath::planner::Outcome;
+use foldpath::planner::{Outcome, Plan};
 use foldpath::progress::{Progress, Stage};
 use foldpath::read::fold::PatternFile;
 use foldpath::request::{InputJson, PlanJson, PlanRequest, Planned, Request, Switch};
 
-pub(crate) fn run(args: &Plan, quiet: bool) -> Answer {
+pub(crate) fn run(args: &args::Plan, quiet: bool) -> Answer {
     let start = Instant::now();
     let job = Job {
         request: args.request.get()?.clone(),
@@ -138,8 +138,7 @@ impl Done {
 
 fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
     let Done { file, planned, .. } = done;
-    let Planned { goal, plan, .. } = planned;
-    let outcome = outcome(plan.outcome == Outcome::Planned, json.outcome);
+    let outcome = outcome(planned.plan.outcome == Outcome::Planned, json.outcome);
     let mut text = format!("{}: {outcome}\n", file.title);
     if let Some(reason) = &json.reason {
         text += &format!("  reason       {reason}\n");
@@ -152,20 +151,59 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
     if let Some(lost) = file.pattern.lost_lines() {
         text += &format!("  lost lines   {}\n", lost_lines(lost));
     }
-    text += &format!(
-        "  goal         {}\n  \
-         sheet        {} creases, {} real vertices\n  \
-         solved as    {} unknowns (crease groups), {} essential vertices\n",
-        goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
-    );
+    text += &problem_in_words(planned, json);
+    text += &path_in_words(&planned.plan, json);
+    text += &match job.request.collision {
+        Switch::Off => "  crossings    not looked for\n".to_string(),
+        Switch::On => {
+            let clearance = json.min_clearance.map_or_else(String::new, |clearance| {
+                format!("; smallest clearance {clearance:.3e}")
+            });
+            format!(
+                "  crossings    {} pairs of faces over the motion, {} tested{clearance}\n",
+                json.collision.pairs, json.collision.tested
+            )
+        }
+    };
+    if let Some(time) = &json.time {
+        text += &format!(
+            "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \
+         {:.2}, write {:.2}\n",
+            1e3 * time.total,
+            1e3 * time.read,
+            1e3 * time.symmetry,
+            1e3 * time.solve,
+            1e3 * time.fold,
+            1e3 * time.collision,
+            1e3 * time.write,
+        );
+    }
+    text + &written_in_words(job, &planned.plan)
+}
+
+/// Describes the sheet, the goal and the equations.
+fn problem_in_words(Planned { goal, plan, .. }: &Planned, json: &PlanJson<'_>) -> String {
     let amplified = plan.reduced.amplification.map_or_else(
         || "how errors grow over the sheet is not known".to_string(),
         |factor| format!("errors grow up to {factor:.3}-fold over the sheet"),
     );
-    text += &format!(
-        "  tolerance    closure {:.1e} at each vertex: {amplified}\n",
+    format!(
+        "  goal         {}\n  \
+         sheet        {} creases, {} real vertices\n  \
+         solved as    {} unknowns (crease groups), {} essential vertices\n  \
+         tolerance    closure {:.1e} at each vertex: {amplified}\n",
+        goal.source,
+        json.creases,
+        json.real_vertices,
+        json.unknowns,
+        json.essential_vertices,
         plan.reduced.closure_tolerance,
-    );
+    )
+}
+
+/// Describes the path and its errors.
+fn path_in_words(plan: &Plan, json: &PlanJson<'_>) -> String {
+    let mut text = String::new();
     if json.knots > 0 {
         text += &format!(
             "  path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \
@@ -196,38 +234,17 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
             plan.errors.essential_rigidity.gap,
         );
     }
-    text += &match job.request.collision {
-        Switch::Off => "  crossings    not looked for\n".to_string(),
-        Switch::On => {
-            let clearance = json.min_clearance.map_or_else(String::new, |clearance| {
-                format!("; smallest clearance {clearance:.3e}")
-            });
-            format!(
-                "  crossings    {} pairs of faces over the motion, {} tested{clearance}\n",
-                json.collision.pairs, json.collision.tested
-            )
-        }
-    };
-    if let Some(time) = &json.time {
-        text += &format!(
-            "  time         {:.2} ms: read {:.2}, symmetry {:.2}, solve {:.3}, fold {:.2}, collision \
-         {:.2}, write {:.2}\n",
-            1e3 * time.total,
-            1e3 * time.read,
-            1e3 * time.symmetry,
-            1e3 * time.solve,
-            1e3 * time.fold,
-            1e3 * time.collision,
-            1e3 * time.write,
-        );
-    }
+    text
+}
+
+/// Says if the path was written, and where.
+fn written_in_words(job: &Job, plan: &Plan) -> String {
     match (&job.output, plan.outcome) {
         (Some(output), outcome) if plan.motion.is_some() && job.is_written(outcome) => {
-            text += &format!("  written to   {}\n", shown(output))
+            format!("  written to   {}\n", shown(output))
         }
-        (Some(_), _) => text += "  nothing written\n",
-        (None, Outcome::Planned) => text += "  not written; -o FILE writes it\n",
-        _ => {}
+        (Some(_), _) => "  nothing written\n".into(),
+        (None, Outcome::Planned) => "  not written; -o FILE writes it\n".into(),
+        _ => String::new(),
     }
-    text
 }

@@ -15,7 +15,7 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two updates of a bar.
 pub(crate) const PACE: Duration = Duration::from_millis(100);
 /// Position of a full bar.
-const FULL: u64 = 1000;
+const FULL_BAR: u64 = 1000;
 
 /// Returns `true` if bars are drawn: on a terminal, unless `--quiet` or `--json` is given.
 pub(crate) fn shown(report: &Report, quiet: bool) -> bool {
@@ -57,7 +57,7 @@ fn draw(progress: &Progress, over: &Receiver<()>) {
 
 /// Creates a bar on stderr that is not visible yet.
 pub(crate) fn hidden_bar() -> ProgressBar {
-    ProgressBar::new(FULL)
+    ProgressBar::new(FULL_BAR)
 }
 
 /// Sets what a bar shows.

@@ -15,9 +15,9 @@ use foldpath::pattern::LostLines;
 use foldpath::request::RequestError;
 
 /// Largest number of characters of a line that are shown.
-const SHOWN: usize = 72;
+const MAX_SHOWN_CHARS: usize = 72;
 /// Number of characters shown before the place of an error, if the line is too long to be shown whole.
-const BEFORE: usize = 30;
+const CHARS_BEFORE: usize = 30;
 /// Mark in place of characters that are not shown.
 const CUT: &str = "...";
 
@@ -211,12 +211,12 @@ impl Excerpt {
         let marked = line_rest.get(..span.len()).unwrap_or(line_rest);
         // A line that is too long to be shown whole is cut at both ends.
         let length = head.chars().count();
-        let whole = length + line_rest.chars().take(SHOWN).count() <= SHOWN;
-        let (head, cut) = match head.char_indices().rev().nth(BEFORE - 1) {
+        let whole = length + line_rest.chars().take(MAX_SHOWN_CHARS).count() <= MAX_SHOWN_CHARS;
+        let (head, cut) = match head.char_indices().rev().nth(CHARS_BEFORE - 1) {
             Some((at, _)) if at > 0 && !whole => (&head[at..], CUT),
             _ => (head, ""),
         };
-        let left = SHOWN - head.chars().count().min(SHOWN);
+        let left = MAX_SHOWN_CHARS - head.chars().count().min(MAX_SHOWN_CHARS);
         let end = line_rest.char_indices().nth(left).map(|(at, _)| at);
         let tail = &line_rest[..end.unwrap_or(line_rest.len())];
         let mark = cut.len() + head.len();

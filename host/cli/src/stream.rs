@@ -479,7 +479,7 @@ mod tests {
                 "the controller is silent",
             ),
             (
-                Ending::Astray(3),
+                Ending::OffPath(3),
                 "the sheet stands at knot 3, not on this path",
             ),
         ] {

@@ -19,7 +19,7 @@ const INTERVALS: [u8; 6] = [8, 12, 16, 24, 32, 48];
 const PARTS: [u8; 5] = [2, 3, 4, 6, 8];
 /// Factor on each bound that covers the rounding of the points and of the bound itself, which are far below it: points
 /// are off by 1e-16, and no closer to each other than 1e-3 of an interval that is no shorter than 1e-3.
-const INFLATION: f64 = 1.0 + 1e-8;
+const INFLATION_FACTOR: f64 = 1.0 + 1e-8;
 
 /// A Bernstein ellipse of radius ρ.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,7 +89,7 @@ impl Points {
     ) -> f64 {
         let bounds = self.degrees.iter().map(|&(degree, quotient)| {
             let error = error(radii, growth, degree);
-            ((largest + error) * quotient + error) * INFLATION
+            ((largest + error) * quotient + error) * INFLATION_FACTOR
         });
         // `min` passes over a NaN, which is no bound.
         bounds.fold(f64::INFINITY, f64::min)

@@ -16,7 +16,7 @@ use foldpath_core::{Curve, HalfAngle, LoopsView, Spoke, StarView, StarsView, clo
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
-use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
+use super::{LOOSE_RATIO, MAX_HALVINGS, Part, ROUNDING_FACTOR};
 use crate::util::parallel;
 
 /// About the time that bounding a curve, evaluating a curve, and bounding or evaluating the condition of a star takes.
@@ -26,12 +26,12 @@ const TIME_PER_STAR: Duration = Duration::from_nanos(100);
 
 /// Error of the polynomials, as a residual, for which the number of points is chosen: below all rounding. If no number
 /// of points reaches it, the largest one is used.
-const POLYNOMIAL_RESIDUAL: f64 = 1e-16;
+const MAX_POLYNOMIAL_ERROR_RAD: f64 = 1e-16;
 /// Bound up to which a part is never halved, as it is rounding.
-const ROUNDING_RESIDUAL: f64 = 1e-13;
+const ROUNDING_RAD: f64 = 1e-13;
 /// Rounding of a product of two quaternions, in ε: each of its components sums four products of at most four roundings
 /// of ε/2 each; the norm of |c|, |x|, |y| is at most √3.
-const PRODUCT_EPS: f64 = 3.5;
+const PRODUCT_ROUNDING_EPSILONS: f64 = 3.5;
 
 /// Bounds on the closure residuals over a segment; infinite if nothing can be bounded, as for curves that are not
 /// finite.
@@ -88,7 +88,7 @@ pub struct SegmentCertifier {
     /// Half angle of each group at a point, with the norm of its quaternion over the lower bound.
     samples: Vec<(HalfAngle<f64>, f64)>,
     conditions: Vec<Condition>,
-    open: Vec<(u8, u32)>,
+    open: Vec<Part>,
     bounds: Closure,
 }
 
@@ -124,23 +124,20 @@ impl SegmentCertifier {
         self.bounds.loops.clear();
         self.bounds.loops.resize(loops.len(), [0.0; 2]);
         self.open.clear();
-        self.open.push((0, 0));
+        self.open.push(Part::default());
         // Largest residuals seen: of rotations, and of translations.
         let mut seen = [0.0; 2];
-        while let Some((depth, index)) = self.open.pop() {
-            let length = 1.0 / f64::from(1_u32 << depth);
-            let part = [f64::from(index), f64::from(index + 1)].map(|end| end * length);
-            self.prepare(stars, loops, curves, part);
+        while let Some(part) = self.open.pop() {
+            self.prepare(stars, loops, curves, part.ends());
             let points = self.enough_points();
             let known = self.pieces.iter().all(|piece| piece.least > 0.0);
             if known {
-                self.evaluate(stars, loops, curves, part, points);
+                self.evaluate(stars, loops, curves, part.ends(), points);
             }
-            if depth == MAX_HALVINGS || known && self.is_tight(points, &mut seen) {
+            if part.depth == MAX_HALVINGS || known && self.is_tight(points, &mut seen) {
                 self.accept(points);
             } else {
-                let halves = [(depth + 1, 2 * index + 1), (depth + 1, 2 * index)];
-                self.open.extend(halves);
+                self.open.extend(part.halves());
             }
         }
         &self.bounds
@@ -169,7 +166,7 @@ impl SegmentCertifier {
     fn enough_points(&self) -> usize {
         let enough = |points: &Points| {
             let mut errors = self.conditions.iter();
-            errors.all(|c| points.error(&self.radii, &c.growth) <= POLYNOMIAL_RESIDUAL)
+            errors.all(|c| points.error(&self.radii, &c.growth) <= MAX_POLYNOMIAL_ERROR_RAD)
         };
         let last = self.points.len() - 1;
         self.points.iter().position(enough).unwrap_or(last)
@@ -229,7 +226,7 @@ impl SegmentCertifier {
         conditions().all(|(index, condition)| {
             let bound =
                 self.points[points].bound(&self.radii, &condition.growth, condition.largest);
-            bound <= (LOOSE_RATIO * seen[kind(index)]).max(ROUNDING_RESIDUAL)
+            bound <= (LOOSE_RATIO * seen[kind(index)]).max(ROUNDING_RAD)
         })
     }
 
@@ -273,7 +270,8 @@ fn rotation(spokes: &[Spoke<f64>], pieces: &[Piece]) -> Condition {
             *sum += growth;
         }
         let [x, y] = spoke.direction;
-        rounding += piece.rounding + PRODUCT_EPS * f64::EPSILON + (x * x + y * y - 1.0).abs();
+        rounding +=
+            piece.rounding + PRODUCT_ROUNDING_EPSILONS * f64::EPSILON + (x * x + y * y - 1.0).abs();
     }
     Condition {
         growth,

@@ -14,7 +14,7 @@ use foldpath_core::{Curve, Membership};
 
 use super::bernstein::Piece;
 use super::chebyshev::{Points, RADII, Radius, radii};
-use super::{LOOSE_RATIO, MAX_HALVINGS, ROUNDING_FACTOR};
+use super::{LOOSE_RATIO, MAX_HALVINGS, Part, ROUNDING_FACTOR};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, Step, rounding};
 use crate::pattern::CreasePattern;
 use crate::util::parallel;
@@ -23,7 +23,7 @@ use crate::util::parallel;
 const TIME_PER_FACE: Duration = Duration::from_micros(3);
 
 /// Polynomial error that is always small enough where the number of points is chosen.
-const POLYNOMIAL_ERROR: f64 = 1e-13;
+const MAX_POLYNOMIAL_ERROR_RATIO: f64 = 1e-13;
 /// Polynomial error that is small enough, as a fraction of the bound that is enough.
 const POLYNOMIAL_ERROR_RATIO: f64 = 0.01;
 /// Rounding of a half angle that [`rounding`] allows for, 16 ε.
@@ -122,20 +122,20 @@ impl<'a> Folded<'a> {
 
     fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
         let enough = most / 2.0;
-        let mut open = vec![(0_u8, 0_u32)];
+        let mut open = vec![Part::default()];
         let (mut seen, mut worst) = (Rigidity::default(), Rigidity::default());
-        while let Some((depth, index)) = open.pop() {
-            let length = 1.0 / f64::from(1_u32 << depth);
-            let part = [f64::from(index), f64::from(index + 1)].map(|end| end * length);
-            let growth = self.prepare(curves, part);
+        while let Some(part) = open.pop() {
+            let growth = self.prepare(curves, part.ends());
             let serves = |points: &Points| {
                 let mut errors = growth.iter().map(|(g, _)| points.error(&self.radii, g));
-                errors.all(|error| error <= POLYNOMIAL_ERROR.max(POLYNOMIAL_ERROR_RATIO * enough))
+                errors.all(|error| {
+                    error <= MAX_POLYNOMIAL_ERROR_RATIO.max(POLYNOMIAL_ERROR_RATIO * enough)
+                })
             };
             let points = self.points.iter().position(serves);
-            let last = depth == MAX_HALVINGS;
+            let last = part.depth == MAX_HALVINGS;
             if let Some(points) = points.or(last.then_some(self.points.len() - 1)) {
-                let bound = self.bound(curves, part, points, &growth, &mut seen);
+                let bound = self.bound(curves, part.ends(), points, &growth, &mut seen);
                 let within = |found: Rigidity| found.worst() <= most;
                 if !within(seen) || last && !within(bound) {
                     return None;
@@ -145,7 +145,7 @@ impl<'a> Folded<'a> {
                     continue;
                 }
             }
-            open.extend([(depth + 1, 2 * index + 1), (depth + 1, 2 * index)]);
+            open.extend(part.halves());
         }
         (worst.worst() <= most).then_some(worst)
     }
@@ -294,7 +294,7 @@ impl<'a> Folded<'a> {
     /// Returns `true` if every bound is near the largest error seen in the segment.
     fn is_tight(&self, bound: Rigidity, seen: Rigidity) -> bool {
         let tight = |bound: f64, seen: f64, rounding: f64| {
-            bound <= LOOSE_RATIO * (seen + self.coarse * rounding) + POLYNOMIAL_ERROR
+            bound <= LOOSE_RATIO * (seen + self.coarse * rounding) + MAX_POLYNOMIAL_ERROR_RATIO
         };
         tight(bound.gap, seen.gap, self.rounding.gap)
             && tight(

@@ -21,5 +21,28 @@ pub use sheet::SheetCertifier;
 const MAX_HALVINGS: u8 = 8;
 /// Ratio of a bound to the largest error seen in the segment above which a part is halved.
 const LOOSE_RATIO: f64 = 1.5;
+/// A part of a segment: number `index` of the equal parts that `depth` halvings make.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    depth: u8,
+    index: u32,
+}
+
+impl Part {
+    /// Returns the ends of the part, from 0 to 1.
+    fn ends(self) -> [f64; 2] {
+        let length = 1.0 / f64::from(1_u32 << self.depth);
+        [self.index, self.index + 1].map(|end| f64::from(end) * length)
+    }
+
+    /// Returns both halves, the second first, as on a stack.
+    fn halves(self) -> [Self; 2] {
+        [1, 0].map(|side| Self {
+            depth: self.depth + 1,
+            index: 2 * self.index + side,
+        })
+    }
+}
+
 /// Factor on rounding: it counts once for the values here, and once for those who evaluate the same motion.
 const ROUNDING_FACTOR: f64 = 2.0;

@@ -3,6 +3,7 @@
 use foldpath_core::Curve;
 use foldpath_core::bernstein::restrict;
 
+use super::Part;
 use super::bernstein::{least, lost, sizes};
 
 /// Distance of a bound from an attained value that is near enough, in radians or as a fraction of the largest
@@ -23,11 +24,11 @@ pub fn range(curve: &Curve<f64>) -> [f64; 2] {
     let ends = [curve.angle(0.0), curve.angle(1.0)];
     let mut seen = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let mut range = seen;
-    let mut open = vec![(0_u8, 0_u32)];
+    let mut open = vec![Part::default()];
     let mut budget = MAX_PARTS;
-    while let Some((depth, index)) = open.pop() {
-        let part = part(depth, index);
-        let Some((hull, near)) = hull(curve, part) else {
+    while let Some(part) = open.pop() {
+        let [from, to] = part.ends();
+        let Some((hull, near)) = hull(curve, [from, to]) else {
             return [f64::NEG_INFINITY, f64::INFINITY];
         };
         if hull[0] >= seen[0] && hull[1] <= seen[1] {
@@ -35,21 +36,15 @@ pub fn range(curve: &Curve<f64>) -> [f64; 2] {
         }
         budget = budget.saturating_sub(1);
         let tight = hull[0] >= seen[0] - near && hull[1] <= seen[1] + near;
-        if tight || depth == MAX_RANGE_HALVINGS || budget == 0 {
+        if tight || part.depth == MAX_RANGE_HALVINGS || budget == 0 {
             range = [range[0].min(hull[0] - near), range[1].max(hull[1] + near)];
         } else {
-            let middle = curve.angle((part[0] + part[1]) / 2.0);
+            let middle = curve.angle((from + to) / 2.0);
             seen = [seen[0].min(middle), seen[1].max(middle)];
-            open.extend([(depth + 1, 2 * index + 1), (depth + 1, 2 * index)]);
+            open.extend(part.halves());
         }
     }
     [range[0].min(seen[0]), range[1].max(seen[1])]
-}
-
-/// Returns the ends of part `index` of a segment that was halved `depth` times.
-fn part(depth: u8, index: u32) -> [f64; 2] {
-    let length = 1.0 / f64::from(1_u32 << depth);
-    [f64::from(index), f64::from(index + 1)].map(|end| end * length)
 }
 
 /// Returns the least and the largest angle of the control points over a part, and the distance from attained values

@@ -10,7 +10,7 @@ use crate::motion::Motion;
 use crate::progress::Watch;
 
 /// Number of equal parts of a segment at whose ends speeds are measured.
-const PARTS: u8 = 64;
+const SPEED_PARTS: u8 = 64;
 /// Ratio of a measured speed or acceleration to a claim above which the claim is false: peaks between samples are not
 /// seen.
 const RATE_RATIO: f64 = 1.001;
@@ -18,7 +18,7 @@ const RATE_RATIO: f64 = 1.001;
 /// speed.
 const SAME_RATE_RATIO: f64 = 1e-6;
 /// Relative error of a claim that rounding explains.
-const ROUNDING: f64 = 1e-6;
+const ROUNDING_RATIO: f64 = 1e-6;
 
 /// Largest speed (radians per second) and acceleration (radians per second squared) of a hinge, between knots and at
 /// them. The acceleration is `None` if a hinge changes its speed at once, as at the start of a motion that does not begin
@@ -39,8 +39,8 @@ impl Rates {
         for (pair, curves) in path.knots.windows(2).zip(&motion.segments) {
             let span = pair[1].time - pair[0].time;
             for (before, curve) in before.iter_mut().zip(curves) {
-                for part in 0..=PARTS {
-                    let s = f64::from(part) / f64::from(PARTS);
+                for part in 0..=SPEED_PARTS {
+                    let s = f64::from(part) / f64::from(SPEED_PARTS);
                     let [first, second] = curve.derivatives(s);
                     let rate = first / span;
                     speed = speed.max(rate.abs());
@@ -100,7 +100,7 @@ pub(super) fn judge_clearances(
         };
         match found {
             None => unknown.push(Undecided::Clearance { knot, claimed }),
-            Some(found) if claimed <= found * (1.0 + ROUNDING) => {}
+            Some(found) if claimed <= found * (1.0 + ROUNDING_RATIO) => {}
             Some(found) => wrong.push(Failure::FalseClearance {
                 knot,
                 claimed,
@@ -119,7 +119,7 @@ pub(super) fn false_bound(path: &Motion, verdict: &Verdict) -> Option<Failure> {
     } = verdict.rigidity();
     let errors = [deformation, gap, verdict.closure()];
     let found = errors.into_iter().fold(0.0, f64::max);
-    (found > answer.bound * (1.0 + ROUNDING)).then_some(Failure::FalseBound {
+    (found > answer.bound * (1.0 + ROUNDING_RATIO)).then_some(Failure::FalseBound {
         claimed: answer.bound,
         found,
     })

@@ -23,7 +23,7 @@ use foldpath_core::{Curve, Spoke};
 use nalgebra::{Matrix3, Vector3};
 
 use super::count;
-use super::majorant::{ORDER, Series, exponential, of_angle};
+use super::majorant::{MAX_ORDER, Series, exponential, of_angle};
 use crate::folding::Rigidity;
 use crate::pattern::{ClosureSite, CreasePattern};
 use crate::symmetry::ReducedStars;
@@ -57,13 +57,13 @@ impl Effort {
     };
 }
 
-/// Largest number of successive halvings of an interval (`HALVINGS`). A few intervals of a segment (`FEW`) are
-/// halved oftener (`MORE_HALVINGS`), because a weight may go towards 0 in them.
-const HALVINGS: u32 = 7;
-const MORE_HALVINGS: u32 = 14;
-const FEW: usize = 64;
+/// Largest number of successive halvings of an interval (`MAX_HALVINGS`). A few intervals of a segment, at most
+/// `MAX_FEW_INTERVALS`, are halved oftener (`MAX_HALVINGS_OF_FEW`), because a weight may go towards 0 in them.
+const MAX_HALVINGS: u32 = 7;
+const MAX_HALVINGS_OF_FEW: u32 = 14;
+const MAX_FEW_INTERVALS: usize = 64;
 /// Margin below which a bound is good enough.
-const MARGIN: f64 = 1e-11;
+const MARGIN_RAD: f64 = 1e-11;
 
 /// The closure residual of a segment, over all vertices and holes, and the errors of the sheet that it allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -139,7 +139,7 @@ fn conditions<'a>(pattern: &CreasePattern, stars: &'a ReducedStars) -> Vec<Condi
         spokes: star.spokes,
         places: &[],
         lever: turn,
-        hidden: count(star.spokes.len()) * ROUNDINGS * f64::EPSILON,
+        hidden: count(star.spokes.len()) * ROUNDING_EPSILONS * f64::EPSILON,
     });
     let holes = stars.holes().iter().zip(stars.loops().iter());
     let holes = holes.map(|(&hole, way)| {
@@ -157,7 +157,7 @@ fn conditions<'a>(pattern: &CreasePattern, stars: &'a ReducedStars) -> Vec<Condi
             spokes: way.spokes,
             places: way.places,
             lever: turn.max(steps.sum::<f64>() + last),
-            hidden: 2.0 * count(way.spokes.len()) * ROUNDINGS * f64::EPSILON,
+            hidden: 2.0 * count(way.spokes.len()) * ROUNDING_EPSILONS * f64::EPSILON,
         }
     });
     vertices.chain(holes).collect()
@@ -165,7 +165,7 @@ fn conditions<'a>(pattern: &CreasePattern, stars: &'a ReducedStars) -> Vec<Condi
 
 /// Rounding errors, in ε, for each factor of the product: of sine and cosine of an angle near π, of an entry of
 /// the matrix, and of the product.
-const ROUNDINGS: f64 = 32.0;
+const ROUNDING_EPSILONS: f64 = 32.0;
 
 struct Segment<'a> {
     curves: &'a [Curve<f64>],
@@ -174,7 +174,7 @@ struct Segment<'a> {
     effort: &'a Effort,
     decided: f64,
     found: SegmentClosure,
-    /// Number of intervals that come from `HALVINGS` halvings or more.
+    /// Number of intervals that come from `MAX_HALVINGS` halvings or more.
     short: usize,
 }
 
@@ -215,12 +215,12 @@ impl Segment<'_> {
             bounds.push((index, bound));
         }
         let sampled = self.found.sampled;
-        let enough = self.effort.loose * sampled + MARGIN;
-        self.short += usize::from(halvings >= HALVINGS);
-        let most = if self.short > FEW {
-            HALVINGS
+        let enough = self.effort.loose * sampled + MARGIN_RAD;
+        self.short += usize::from(halvings >= MAX_HALVINGS);
+        let most = if self.short > MAX_FEW_INTERVALS {
+            MAX_HALVINGS
         } else {
-            MORE_HALVINGS
+            MAX_HALVINGS_OF_FEW
         };
         let give_up = halvings >= most || sampled > self.decided || sampled.is_nan();
         let (done, rest): (Vec<_>, Vec<_>) = bounds
@@ -279,7 +279,7 @@ impl Condition<'_> {
     /// Returns the least of the bounds over all n, given the number of samples, the largest of them, and the
     /// bounds on the derivatives of the groups.
     fn bound(&self, samples: usize, sampled: f64, groups: &[Series]) -> f64 {
-        let mut sum = [0.0; ORDER + 1];
+        let mut sum = [0.0; MAX_ORDER + 1];
         for spoke in self.spokes {
             let of_group = &groups[spoke.group.index()];
             sum.iter_mut().zip(of_group).for_each(|(sum, h)| *sum += h);
@@ -287,7 +287,7 @@ impl Condition<'_> {
         let sampled = sampled + self.hidden;
         let derivatives = exponential(&sum);
         let mut half_power = 2.0;
-        let bounds = (0..ORDER).map(|degree| {
+        let bounds = (0..MAX_ORDER).map(|degree| {
             half_power *= 0.5;
             let error = self.lever * derivatives[degree + 1] * half_power;
             let factor = (count(degree) / count(samples) * FRAC_PI_2).cos();

@@ -4,7 +4,7 @@ use foldpath_core::{GroupId, Node, Spoke, StarView, local_foldability_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 use super::finding::{Failure, GroupQuantity, Moment, SheetError, WrongTurn};
-use super::{Measured, SAME_ANGLE};
+use super::{Measured, SAME_ANGLE_RAD};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree, align_sheets, deformation};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::{CreasePattern, EdgeId, Letter, VertexId};
@@ -12,9 +12,9 @@ use crate::pattern::{CreasePattern, EdgeId, Letter, VertexId};
 /// Ratio of the measured value to a claim above which the claim is false.
 const CLAIM_FACTOR: f64 = 10.0;
 /// Error below which values are rounding, and no claim about them is false.
-const CLAIM_FLOOR: f64 = 1e-9;
+const MIN_CLAIMED_ERROR: f64 = 1e-9;
 /// Error of a coordinate in space, in ε, that folding and rigid registration leave.
-const ROUNDINGS: f64 = 16.0;
+const ROUNDING_EPSILONS: f64 = 16.0;
 
 /// Measures every knot of a path, on the sheet folded along a tree of its faces.
 #[must_use]
@@ -97,15 +97,15 @@ pub(super) fn wrong_angle(path: &Motion, bend: f64) -> Option<Failure> {
     });
     hinges.find_map(|(knot, edge, data)| {
         let Node { angle, rate, .. } = path.node(knot, edge);
-        let (wrong, value) = if angle.abs() > core::f64::consts::PI + SAME_ANGLE {
+        let (wrong, value) = if angle.abs() > core::f64::consts::PI + SAME_ANGLE_RAD {
             (WrongTurn::BeyondHalfTurn, angle)
-        } else if data.letter == Letter::Bend && angle.abs() > bend + SAME_ANGLE {
+        } else if data.letter == Letter::Bend && angle.abs() > bend + SAME_ANGLE_RAD {
             (WrongTurn::BeyondBend, angle)
-        } else if data.crease.is_none() && angle.abs() > SAME_ANGLE {
+        } else if data.crease.is_none() && angle.abs() > SAME_ANGLE_RAD {
             (WrongTurn::NotFlat, angle)
-        } else if data.crease.is_none() && rate.abs() > SAME_ANGLE && path.uses_rates() {
+        } else if data.crease.is_none() && rate.abs() > SAME_ANGLE_RAD && path.uses_rates() {
             (WrongTurn::FlatButTurns, rate)
-        } else if angle * data.letter.sign() < -SAME_ANGLE {
+        } else if angle * data.letter.sign() < -SAME_ANGLE_RAD {
             (WrongTurn::AgainstLetter, angle)
         } else {
             return None;
@@ -151,7 +151,7 @@ pub(crate) fn differing_hinge(path: &Motion) -> Option<Failure> {
             GroupQuantity::WeightGrowth,
         ];
         let mut pairs = quantities.into_iter().zip(expected.into_iter().zip(found));
-        let (quantity, (a, b)) = pairs.find(|(_, (a, b))| (a - b).abs() > SAME_ANGLE)?;
+        let (quantity, (a, b)) = pairs.find(|(_, (a, b))| (a - b).abs() > SAME_ANGLE_RAD)?;
         Some(Failure::GroupDiffers {
             knot,
             edges: [leader, edge],
@@ -168,8 +168,9 @@ pub(super) fn check_rigidity(path: &Motion, bound: f64, knots: &[Measured]) -> V
     let mut worst: Option<(f64, Failure)> = None;
     let points = path.pattern.vertices();
     let far = points.iter().map(|point| (point - points[0]).norm());
-    let rounding = ROUNDINGS * f64::EPSILON * far.fold(0.0, f64::max) / path.pattern.median_edge();
-    let floor = CLAIM_FLOOR.max(rounding);
+    let rounding =
+        ROUNDING_EPSILONS * f64::EPSILON * far.fold(0.0, f64::max) / path.pattern.median_edge();
+    let floor = MIN_CLAIMED_ERROR.max(rounding);
     for (index, (measured, knot)) in knots.iter().zip(&path.knots).enumerate() {
         let Rigidity {
             deformation, gap, ..
@@ -194,7 +195,9 @@ pub(super) fn check_rigidity(path: &Motion, bound: f64, knots: &[Measured]) -> V
             let over = value > bound || value.is_nan();
             let worse = |(most, _): &(f64, Failure)| value > *most || value.is_nan();
             if over && worst.as_ref().is_none_or(worse) {
-                let open = measured.vertex.filter(|_| measured.closure > SAME_ANGLE);
+                let open = measured
+                    .vertex
+                    .filter(|_| measured.closure > SAME_ANGLE_RAD);
                 let failure = Failure::OverBound {
                     at: Moment::Knot(index),
                     error,

@@ -13,15 +13,15 @@ use foldpath_core::Curve;
 use super::count;
 
 /// Highest order of the derivatives that are bounded.
-pub(super) const ORDER: usize = 20;
+pub(super) const MAX_ORDER: usize = 20;
 
 /// Coefficients of a majorant from order 0. The coefficient of order 0 is not used, and 0.
-pub(super) type Series = [f64; ORDER + 1];
+pub(super) type Series = [f64; MAX_ORDER + 1];
 
 /// Returns the majorant of the fold angle on the interval about `middle` of half width `half`. Infinite if the
 /// bounds do not exclude that the pair (c, n) of a half angle vanishes in the interval.
 pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
-    let mut series = [0.0; ORDER + 1];
+    let mut series = [0.0; MAX_ORDER + 1];
     match curve {
         Curve::Angle(angle) => {
             let bounds = reach(taylor(angle, middle, half).map(f64::abs));
@@ -41,8 +41,8 @@ pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
                 }
             });
             // Coefficients of the derivative, w' / (1 - w).
-            let mut rate = [0.0; ORDER];
-            for (j, order) in (0..ORDER).zip((1..=ORDER).map(count)) {
+            let mut rate = [0.0; MAX_ORDER];
+            for (j, order) in (0..MAX_ORDER).zip((1..=MAX_ORDER).map(count)) {
                 let own = w.get(j + 1).map_or(0.0, |w| order * w);
                 rate[j] = own + (1..=j.min(3)).map(|k| w[k] * rate[j - k]).sum::<f64>();
                 series[j + 1] = 2.0 * rate[j] / order;
@@ -54,9 +54,9 @@ pub(super) fn of_angle(curve: &Curve<f64>, middle: f64, half: f64) -> Series {
 
 /// Returns exp of a series without its coefficient of order 0.
 pub(super) fn exponential(h: &Series) -> Series {
-    let mut g = [0.0; ORDER + 1];
+    let mut g = [0.0; MAX_ORDER + 1];
     g[0] = 1.0;
-    for n in 1..=ORDER {
+    for n in 1..=MAX_ORDER {
         let terms = (1..=n).map(|k| count(k) * h[k] * g[n - k]);
         g[n] = terms.sum::<f64>() / count(n);
     }

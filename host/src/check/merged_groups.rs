@@ -10,7 +10,7 @@ use crate::symmetry::CreaseGroups;
 
 /// Largest difference, radians, of sectors of stars that are equal except for the rounding of coordinates.
 /// Their actual difference is added to bounds.
-const SAME_SECTOR: f64 = 1e-13;
+const SAME_SECTOR_RAD: f64 = 1e-13;
 
 /// The motion of all creases between knots, whatever groups the motion names.
 pub(crate) struct MergedGroups {
@@ -48,7 +48,7 @@ impl MergedGroups {
         };
         let segments = (0..path.segments()).map(segment).collect();
         Self {
-            groups: CreaseGroups::of_memberships(memberships, SAME_SECTOR / 4.0),
+            groups: CreaseGroups::of_memberships(memberships, SAME_SECTOR_RAD / 4.0),
             leaders,
             segments,
         }

@@ -80,7 +80,7 @@ crate::util::changed_one_by_one!(CheckOptions);
 
 /// Difference of angles below which they are equal, radians: a hundred times the loss between radians and the
 /// degrees of a file, a millionth of a visible difference.
-const SAME_ANGLE: f64 = 1e-9;
+const SAME_ANGLE_RAD: f64 = 1e-9;
 /// A crossing, and the place on the path at which it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathCrossing {

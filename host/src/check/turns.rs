@@ -10,7 +10,7 @@ use std::collections::{BTreeSet, HashSet};
 use foldpath_core::Curve;
 
 use super::finding::{Failure, Moment, Undecided, WrongTurn};
-use super::{MergedGroups, SAME_ANGLE};
+use super::{MergedGroups, SAME_ANGLE_RAD};
 use crate::pattern::{CreasePattern, Letter};
 
 /// Largest number of successive halvings: parts are no shorter than 2^-40 of the segment.
@@ -18,7 +18,7 @@ const MAX_HALVINGS: u32 = 40;
 /// Largest number of parts of a curve that are looked at.
 const MAX_PARTS: usize = 4096;
 /// Rounding errors of a control point, in the roundings of the largest coefficient.
-const ROUNDINGS: f64 = 16.0;
+const ROUNDING_EPSILONS: f64 = 16.0;
 
 /// Verdict on the turn of a hinge between two knots.
 enum Turn {
@@ -95,11 +95,11 @@ pub(super) fn largest_bend(pattern: &CreasePattern, motion: &MergedGroups) -> f6
 
 /// Returns what is wrong with a fold angle, which may be up to `most`.
 fn wrong(angle: f64, letter: Letter, most: f64) -> Option<WrongTurn> {
-    if angle * letter.sign() < -SAME_ANGLE {
+    if angle * letter.sign() < -SAME_ANGLE_RAD {
         Some(WrongTurn::AgainstLetter)
-    } else if most < PI && angle.abs() > most + SAME_ANGLE {
+    } else if most < PI && angle.abs() > most + SAME_ANGLE_RAD {
         Some(WrongTurn::BeyondBend)
-    } else if angle.abs() > PI + SAME_ANGLE {
+    } else if angle.abs() > PI + SAME_ANGLE_RAD {
         Some(WrongTurn::BeyondHalfTurn)
     } else if angle.is_nan() {
         Some(WrongTurn::NotANumber)
@@ -119,7 +119,7 @@ fn turn(curve: &Curve<f64>, letter: Letter, most: f64) -> Turn {
         Curve::Angle(angle) => largest(angle),
         Curve::HalfAngle { cos, sin } => largest(cos).max(largest(sin)),
     };
-    let slack = ROUNDINGS * f64::EPSILON * size;
+    let slack = ROUNDING_EPSILONS * f64::EPSILON * size;
     let mut open = vec![(*curve, [0.0, 1.0], 0)];
     let mut parts = 0;
     while let Some((part, [from, to], halvings)) = open.pop() {
@@ -292,7 +292,7 @@ mod tests {
                     Curve::Angle(angle) => largest(angle),
                     Curve::HalfAngle { cos, sin } => largest(cos).max(largest(sin)),
                 };
-                let slack = ROUNDINGS * f64::EPSILON * size;
+                let slack = ROUNDING_EPSILONS * f64::EPSILON * size;
                 let samples =
                     (0..=SAMPLES).map(|k| angle(kind, from, to, f64::from(k) / f64::from(SAMPLES)));
                 let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];

@@ -80,12 +80,9 @@ pub fn sampled(
     #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
     let numbers = ((end - start) * rate + 2.0) * (columns + 1) as f64;
     if numbers > MAX_NUMBERS {
-        return Err(FileError::Expected {
-            path: file.to_path_buf(),
-            place: "the path".into(),
-            expected: format!("at most {MAX_NUMBERS:e} numbers at {rate} Hz"),
-            found: format!("{numbers:.1e}"),
-        });
+        let expected = format!("at most {MAX_NUMBERS:e} numbers at {rate} Hz");
+        let found = format!("{numbers:.1e}");
+        return Err(FileError::expected(file, "the path", expected, found));
     }
     let mut text = String::from("t");
     // Writing to memory cannot fail.

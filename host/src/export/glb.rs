@@ -67,26 +67,10 @@ pub fn content(motion: &Motion, file: &Path) -> Result<Vec<u8>, FileError> {
 
     let mut buffer = Buffer::default();
     let [front, back, edges] = [front, back, edges].map(|indices| buffer.indices(&indices));
-    let mut times: Vec<f32> = Vec::new();
-    let mut positions = Vec::new();
-    let mut base = vec![Vector3::zeros(); pattern.vertices().len()];
-    for (knot, shape) in motion.knots.iter().zip(shapes(motion)) {
-        let time = single(knot.time - motion.knots[0].time);
-        // Skips a shape whose time rounds to that of the shape before, as glTF requires strictly increasing times.
-        if times.last().is_some_and(|last| time <= *last) {
-            continue;
-        }
-        positions.push(buffer.points(&moves(&base, &shape, file)?));
-        times.push(time);
-        if times.len() == 1 {
-            base = shape;
-        }
-    }
+    let (times, positions) = buffer.shapes(motion, file)?;
     let (base, targets) = positions.split_first().unwrap_or((&0, &[]));
-    let targets: Vec<Value> = targets
-        .iter()
-        .map(|target| json!({"POSITION": target}))
-        .collect();
+    let targets = targets.iter().map(|target| json!({"POSITION": target}));
+    let targets: Vec<Value> = targets.collect();
     let primitive = |(material, (mode, indices)): (usize, (u32, usize))| {
         let mut primitive = json!({
             "mode": mode, "indices": indices, "material": material, "attributes": {"POSITION": base},
@@ -150,11 +134,9 @@ fn moves(
 
 /// Returns the length of a file or chunk as the 32-bit number that its header stores.
 fn fits(length: u64, file: &Path) -> Result<u32, FileError> {
-    u32::try_from(length).map_err(|_| FileError::Expected {
-        path: file.to_path_buf(),
-        place: "vertices_coords".into(),
-        expected: "vertices times frames that fit the 4 GiB of .glb".into(),
-        found: format!("{length} bytes"),
+    u32::try_from(length).map_err(|_| {
+        let expected = "vertices times frames that fit the 4 GiB of .glb";
+        FileError::expected(file, "vertices_coords", expected, format!("{length} bytes"))
     })
 }
 
@@ -201,6 +183,30 @@ impl Buffer {
         self.views.push(view);
         self.accessors.push(accessor);
         self.accessors.len() - 1
+    }
+
+    /// Adds the shapes of a path: the first by its places, every other by its displacements from the first. Returns the
+    /// time of each shape and the index of its accessor.
+    fn shapes(
+        &mut self,
+        motion: &Motion,
+        file: &Path,
+    ) -> Result<(Vec<f32>, Vec<usize>), FileError> {
+        let (mut times, mut positions): (Vec<f32>, _) = (Vec::new(), Vec::new());
+        let mut base = vec![Vector3::zeros(); motion.pattern.vertices().len()];
+        for (knot, shape) in motion.knots.iter().zip(shapes(motion)) {
+            let time = single(knot.time - motion.knots[0].time);
+            // Skips a shape whose time rounds to that of the shape before, as glTF requires strictly increasing times.
+            if times.last().is_some_and(|last| time <= *last) {
+                continue;
+            }
+            positions.push(self.points(&moves(&base, &shape, file)?));
+            times.push(time);
+            if times.len() == 1 {
+                base = shape;
+            }
+        }
+        Ok((times, positions))
     }
 
     fn indices(&mut self, indices: &[u32]) -> usize {

@@ -23,9 +23,9 @@ const TOLERANCE_RAD: f64 = 1e-6;
 /// Largest number of cubics for one segment of the motion.
 const MAX_PARTS: u32 = 1 << 10;
 /// Number of places of a cubic at which its distance from the motion is measured.
-const PROBES: u32 = 16;
+const PROBES_PER_CUBIC: u32 = 16;
 /// Nanoseconds of a second.
-const NANOSECONDS: f64 = 1e9;
+const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
 /// Makes the file.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
@@ -109,18 +109,18 @@ impl JointTrajectory {
             .windows(2)
             .position(|pair| pair[0].time >= pair[1].time)
         {
-            return Err(FileError::Expected {
-                path: file.to_path_buf(),
-                place: "foldpath:time".into(),
-                expected: "knots that are at least a nanosecond apart".into(),
-                found: format!("two after {} s", samples[at].time),
-            });
+            let (place, expected) = (
+                "foldpath:time",
+                "knots that are at least a nanosecond apart",
+            );
+            let found = format!("two after {} s", samples[at].time);
+            return Err(FileError::expected(file, place, expected, found));
         }
         Ok(Self {
             joints: joints.collect(),
             points,
             resampling_error,
-            rounding_error: fastest(motion) * 0.5 / NANOSECONDS,
+            rounding_error: fastest(motion) * 0.5 / NANOSECONDS_PER_SECOND,
             kind: motion.interpolation,
             title: motion.title.clone(),
         })
@@ -178,7 +178,7 @@ fn list(numbers: &[f64]) -> String {
     reason = "a negative time is 0, and one beyond 500 years the largest number"
 )]
 fn nanoseconds(seconds: f64) -> u64 {
-    (seconds * NANOSECONDS).round() as u64
+    (seconds * NANOSECONDS_PER_SECOND).round() as u64
 }
 
 /// Returns the largest speed of a hinge at the knots and at places between them, radians per second.
@@ -187,8 +187,8 @@ fn fastest(motion: &Motion) -> f64 {
     for (segment, pair) in motion.knots.windows(2).enumerate() {
         let span = pair[1].time - pair[0].time;
         for curve in motion.curves(segment) {
-            for probe in 0..=PROBES {
-                let [rate, _] = curve.derivatives(f64::from(probe) / f64::from(PROBES));
+            for probe in 0..=PROBES_PER_CUBIC {
+                let [rate, _] = curve.derivatives(f64::from(probe) / f64::from(PROBES_PER_CUBIC));
                 most = most.max((rate / span).abs());
             }
         }
@@ -260,8 +260,8 @@ fn distance(curves: &[Curve<f64>], parts: u32) -> f64 {
             let start = f64::from(part) * width;
             let ends = [start, start + width].map(|s| node(curve, s, 1.0));
             let cubic = Curve::between(Interpolation::Hermite, width, ends[0], ends[1]);
-            for probe in 1..PROBES {
-                let s = f64::from(probe) / f64::from(PROBES);
+            for probe in 1..PROBES_PER_CUBIC {
+                let s = f64::from(probe) / f64::from(PROBES_PER_CUBIC);
                 most = most.max((cubic.angle(s) - curve.angle(start + s * width)).abs());
             }
         }

@@ -162,27 +162,7 @@ impl Masses {
 
 fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]) -> String {
     let pattern = &motion.pattern;
-    // Drake refuses a model without a name.
-    let title = match motion.title.trim() {
-        "" => "sheet".into(),
-        title => escaped(title),
-    };
-    let mut text = format!(
-        "<!-- Written by foldpath {}. Lengths are in units of the pattern, angles in radians, valley positive. -->\n\
-         <mujoco model=\"{title}\">\n  \
-         <compiler angle=\"radian\" autolimits=\"true\"/>\n  \
-         <option timestep=\"{TIME_STEP_S}\" gravity=\"0 0 0\" integrator=\"implicitfast\"/>\n  \
-         <size memory=\"1G\"/>\n  \
-         <default>\n    \
-         <joint type=\"hinge\" damping=\"{}\" armature=\"{}\"/>\n    \
-         <geom type=\"mesh\" density=\"{}\"/>\n    \
-         <equality solref=\"0.002 1\" solimp=\"0.99 0.9999 0.001\"/>\n  \
-         </default>\n  <asset>\n",
-        env!("CARGO_PKG_VERSION"),
-        DAMPING_RATIO * masses.panel,
-        ARMATURE_RATIO * masses.panel,
-        masses.density,
-    );
+    let mut text = head(&motion.title, masses);
     // Writing to memory cannot fail.
     for panel in 0..panels.len() {
         let name = panels.name(panel);
@@ -197,13 +177,10 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
     }
     text += "  </contact>\n  <equality>\n";
     for joint in &panels.loops {
+        let edge = joint.edge;
         let [a, b] = [joint.parent, joint.child].map(|panel| panels.name(panel));
-        for (end, vertex) in ["start", "end"]
-            .into_iter()
-            .zip(pattern.edge(joint.edge).ends)
-        {
+        for (end, vertex) in ["start", "end"].into_iter().zip(pattern.edge(edge).ends) {
             let anchor = place(pattern, vertex);
-            let edge = joint.edge;
             let _complete = writeln!(
                 text,
                 "    <connect name=\"crease_{edge}_{end}\" body1=\"{a}\" body2=\"{b}\" anchor=\"{anchor}\"/>"
@@ -221,6 +198,37 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
         );
     }
     text += "  </actuator>\n  <keyframe>\n";
+    keyframes(&mut text, motion, panels, actuators);
+    text + "  </keyframe>\n</mujoco>\n"
+}
+
+/// Returns the beginning of the model up to its assets.
+fn head(title: &str, masses: &Masses) -> String {
+    // Drake refuses a model without a name.
+    let title = match title.trim() {
+        "" => "sheet".into(),
+        title => escaped(title),
+    };
+    format!(
+        "<!-- Written by foldpath {}. Lengths are in units of the pattern, angles in radians, valley positive. -->\n\
+         <mujoco model=\"{title}\">\n  \
+         <compiler angle=\"radian\" autolimits=\"true\"/>\n  \
+         <option timestep=\"{TIME_STEP_S}\" gravity=\"0 0 0\" integrator=\"implicitfast\"/>\n  \
+         <size memory=\"1G\"/>\n  \
+         <default>\n    \
+         <joint type=\"hinge\" damping=\"{}\" armature=\"{}\"/>\n    \
+         <geom type=\"mesh\" density=\"{}\"/>\n    \
+         <equality solref=\"0.002 1\" solimp=\"0.99 0.9999 0.001\"/>\n  \
+         </default>\n  <asset>\n",
+        env!("CARGO_PKG_VERSION"),
+        DAMPING_RATIO * masses.panel,
+        ARMATURE_RATIO * masses.panel,
+        masses.density,
+    )
+}
+
+/// Writes a keyframe for each knot.
+fn keyframes(text: &mut String, motion: &Motion, panels: &Panels, actuators: &[EdgeId]) {
     let joints: Vec<EdgeId> = panels.joints().map(|joint| joint.edge).collect();
     for (index, knot) in motion.knots.iter().enumerate() {
         let angles = |edges: &[EdgeId]| {
@@ -237,7 +245,6 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
             angles(actuators)
         );
     }
-    text + "  </keyframe>\n</mujoco>\n"
 }
 
 /// Writes the bodies, each inside its parent, in the order of [`Panels::joints`].

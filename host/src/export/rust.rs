@@ -12,7 +12,7 @@ use super::{Export, Made, Sink};
 use crate::read::FileError;
 
 /// Largest number of characters in a line of a list.
-const WIDTH: usize = 100;
+const MAX_LINE_CHARS: usize = 100;
 
 /// Makes the file.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
@@ -99,9 +99,9 @@ fn value(meaning: &str, name: &str, kind: &str, value: &impl Display) -> String 
 /// Formats a constant list with as many entries in a line as fit.
 fn list(meaning: &str, name: &str, kind: &str, entries: impl Iterator<Item = String>) -> String {
     let mut text = format!("/// {meaning}.\n{ALLOW}pub const {name}: &[{kind}] = &[");
-    let mut column = WIDTH;
+    let mut column = MAX_LINE_CHARS;
     for entry in entries {
-        if column + entry.len() + 2 > WIDTH {
+        if column + entry.len() + 2 > MAX_LINE_CHARS {
             text += "\n   ";
             column = 3;
         }

@@ -21,15 +21,15 @@ use crate::symmetry::CreaseGroups;
 use crate::util::nan_max::bounding_box;
 
 /// Largest width or height of the drawn sheet without its margin, in units of the drawing.
-const SIZE: f64 = 1000.0;
-const MARGIN: f64 = 20.0;
+const MAX_SHEET_UNITS: f64 = 1000.0;
+const MARGIN_UNITS: f64 = 20.0;
 /// Width of a legend and height of its rows, in units of the drawing.
-const LEGEND: f64 = 260.0;
-const ROW: f64 = 20.0;
+const LEGEND_UNITS: f64 = 260.0;
+const ROW_UNITS: f64 = 20.0;
 /// Largest number of groups that a legend names.
-const NAMED: usize = 40;
+const MAX_NAMED_GROUPS: usize = 40;
 /// Number of steps of a colour bar.
-const STEPS: u32 = 50;
+const COLOUR_STEPS: u32 = 50;
 
 /// Meaning of the colours of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -158,7 +158,7 @@ pub fn by_groups(
     members: &[Option<Membership>],
     ranges: &[[f64; 2]],
 ) -> String {
-    let mut sheet = Sheet::new(title, pattern, LEGEND);
+    let mut sheet = Sheet::new(title, pattern, LEGEND_UNITS);
     let dashes = " stroke-dasharray=\"6 4\"";
     for (edge, member) in pattern.edges().iter().zip(members) {
         match member {
@@ -171,13 +171,13 @@ pub fn by_groups(
     }
     sheet.say("crease groups, fold angles in degrees");
     sheet.say("dashed: turns against its group");
-    for (group, range) in ranges.iter().enumerate().take(NAMED) {
+    for (group, range) in ranges.iter().enumerate().take(MAX_NAMED_GROUPS) {
         let [low, high] = range.map(|angle| angle.to_degrees() + 0.0);
         sheet.swatch(&hex(of_group(group)));
         sheet.say(&format!("      {group}: {low:.1} to {high:.1}"));
     }
-    if ranges.len() > NAMED {
-        sheet.say(&format!("and {} more", ranges.len() - NAMED));
+    if ranges.len() > MAX_NAMED_GROUPS {
+        sheet.say(&format!("and {} more", ranges.len() - MAX_NAMED_GROUPS));
     }
     sheet.end()
 }
@@ -185,7 +185,7 @@ pub fn by_groups(
 /// Draws the pattern with each face coloured by its deformation in `of_faces` (0 or more), and a colour bar.
 #[must_use]
 pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) -> String {
-    let mut sheet = Sheet::new(title, pattern, LEGEND);
+    let mut sheet = Sheet::new(title, pattern, LEGEND_UNITS);
     let most = of_faces.iter().copied().fold(0.0, f64::max);
     let part = |value: f64| if most > 0.0 { value / most } else { 0.0 };
     for (face, &value) in pattern.faces().iter().zip(of_faces) {
@@ -230,7 +230,7 @@ impl<'a> Sheet<'a> {
     fn new(title: &str, pattern: &'a CreasePattern, legend: f64) -> Self {
         let vertices = pattern.vertices();
         let (low, high) = bounding_box(vertices.iter().copied()).unwrap_or_default();
-        let scale = round_scale(SIZE / (high - low).max());
+        let scale = round_scale(MAX_SHEET_UNITS / (high - low).max());
         Self {
             pattern,
             corner: Vector2::new(low.x, high.y),
@@ -267,8 +267,8 @@ impl<'a> Sheet<'a> {
 
     /// Adds a row of text to the legend.
     fn say(&mut self, text: &str) {
-        self.row += ROW;
-        let (x, y) = (self.size.x + MARGIN, self.row - 5.0);
+        self.row += ROW_UNITS;
+        let (x, y) = (self.size.x + MARGIN_UNITS, self.row - 5.0);
         // Writing to memory cannot fail.
         let _complete = writeln!(
             self.texts,
@@ -279,8 +279,8 @@ impl<'a> Sheet<'a> {
     /// Begins the next row of the legend with a line of this colour.
     fn swatch(&mut self, colour: &str) {
         let (from, to, y) = (
-            self.size.x + MARGIN,
-            self.size.x + MARGIN + 20.0,
+            self.size.x + MARGIN_UNITS,
+            self.size.x + MARGIN_UNITS + 20.0,
             self.row + 10.0,
         );
         self.add(&format!(
@@ -290,22 +290,25 @@ impl<'a> Sheet<'a> {
 
     /// Adds the colour bar as a row of the legend.
     fn bar(&mut self) {
-        let width = (LEGEND - 3.0 * MARGIN) / f64::from(STEPS);
-        for step in 0..STEPS {
-            let colour = hex(ramp(f64::from(step) / f64::from(STEPS - 1)));
-            let (x, y) = (self.size.x + MARGIN + width * f64::from(step), self.row);
+        let width = (LEGEND_UNITS - 3.0 * MARGIN_UNITS) / f64::from(COLOUR_STEPS);
+        for step in 0..COLOUR_STEPS {
+            let colour = hex(ramp(f64::from(step) / f64::from(COLOUR_STEPS - 1)));
+            let (x, y) = (
+                self.size.x + MARGIN_UNITS + width * f64::from(step),
+                self.row,
+            );
             // Each step is a little wider than its share, so that no gap shows.
             let width = width + 0.5;
             self.add(&format!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{ROW}\" fill=\"{colour}\"/>"
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{ROW_UNITS}\" fill=\"{colour}\"/>"
             ));
         }
-        self.row += ROW;
+        self.row += ROW_UNITS;
     }
 
     fn end(self) -> String {
-        let width = self.size.x + 2.0 * MARGIN + self.legend;
-        let height = self.size.y.max(self.row) + 2.0 * MARGIN;
+        let width = self.size.x + 2.0 * MARGIN_UNITS + self.legend;
+        let height = self.size.y.max(self.row) + 2.0 * MARGIN_UNITS;
         // Lines are 2 units wide, or a tenth of a median edge on fine sheets.
         let stroke = single((0.1 * self.scale * self.pattern.median_edge()).min(2.0));
         format!(
@@ -314,7 +317,7 @@ impl<'a> Sheet<'a> {
              <desc>A unit of the sheet is {scale} units long.</desc>\n\
              <g fill=\"none\" stroke-width=\"{stroke}\" stroke-linecap=\"round\">\n{shapes}</g>\n\
              <g font-family=\"sans-serif\" font-size=\"13\" fill=\"#333333\">\n{texts}</g>\n</svg>\n",
-            left = -MARGIN,
+            left = -MARGIN_UNITS,
             title = self.title,
             scale = self.scale,
             shapes = self.shapes,

@@ -3,9 +3,9 @@
 use core::f64::consts::PI;
 use std::path::Path;
 
-use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory::{TrajectoryError, TrajectoryView};
 use foldpath_core::trajectory_file::{FileError as WriteError, write};
-use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
+use foldpath_core::{GroupLimits, Interpolation, Membership, Node, Scalar, Spoke, StarsView};
 
 use super::groups::HingeGroups;
 use super::{Export, Made, Sink};
@@ -59,16 +59,16 @@ pub fn memberships(motion: &Motion, file: &Path) -> Result<Vec<Membership>, File
 
 /// Relative excess over its limits up to which a path is accepted. The path is then slowed down to keep the limits, as
 /// it is for the excess that rounding causes.
-const HASTE: f64 = 0.01;
+const MAX_EXCESS_RATIO: f64 = 0.01;
 /// Largest number of times that a path is slowed down; every change of speed rounds its times and rates differently.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 /// Largest difference (radians) between sectors of two vertices that counts as rounding of their coordinates.
-const SAME_SECTOR: f64 = 1e-6;
+const SAME_SECTOR_RAD: f64 = 1e-6;
 /// Closure residual of a closed configuration in `f32`: the rounding of the stored numbers and of the controller's
 /// arithmetic.
-const FLOOR: f64 = 2e-6;
+const MIN_CLOSURE_RAD: f64 = 2e-6;
 /// Number of places in each segment at which the closure residual is sampled, besides its beginning.
-const SAMPLES: u8 = 16;
+const SAMPLES_PER_SEGMENT: u8 = 16;
 
 impl TrajFile {
     /// Describes the file.
@@ -88,22 +88,24 @@ impl TrajFile {
     /// a knot.
     pub fn of(motion: &Motion, file: &Path) -> Result<Self, FileError> {
         let groups = HingeGroups::of(motion, file)?;
-        let exact = Arrays::of(motion, &groups);
+        let exact = TrajectoryArrays::of(motion, &groups);
+        let unfit = |error: &dyn core::error::Error| {
+            let expected = "knots that a controller can follow";
+            FileError::expected(file, "file_frames", expected, error.to_string())
+        };
         let ones = vec![1.0; exact.groups];
-        let found = Overshoot::of(exact.view(file)?, &ones, &ones);
+        let view = exact.view().map_err(|error| unfit(&error))?;
+        let found = Overshoot::of(view, &ones, &ones);
         let speed = limit(motion.max_speed, found.speed);
         let acceleration = limit(motion.max_acceleration, found.acceleration);
         for (key, limit, found) in [
             ("foldpath:maxSpeed", speed, found.speed),
             ("foldpath:maxAcceleration", acceleration, found.acceleration),
         ] {
-            if found > limit.to_f64() * (1.0 + HASTE) {
-                return Err(FileError::Expected {
-                    path: file.to_path_buf(),
-                    place: key.into(),
-                    expected: format!("at least the path's {}", found.to_degrees()),
-                    found: limit.to_f64().to_degrees().to_string(),
-                });
+            if found > limit.to_f64() * (1.0 + MAX_EXCESS_RATIO) {
+                let expected = format!("at least the path's {}", found.to_degrees());
+                let found = limit.to_f64().to_degrees().to_string();
+                return Err(FileError::expected(file, key, expected, found));
             }
         }
         let [speeds, accelerations] =
@@ -115,20 +117,50 @@ impl TrajFile {
             acceleration,
         };
         let mut stretch = 1.0;
-        for _ in 0..ROUNDS {
-            let rounded = Rounded::of(&exact, stretch);
-            let view = rounded.wide.view(file)?;
-            let excess = Overshoot::of(view, &speeds, &accelerations).stretch();
+        for _ in 0..MAX_ROUNDS {
+            let rounded = exact.rounded(stretch);
+            let wide = rounded.widened();
+            let wide = wide.view().map_err(|error| unfit(&error))?;
+            let excess = Overshoot::of(wide, &speeds, &accelerations).stretch();
             if excess <= 1.0 {
-                return rounded.write(&motion.pattern, groups.hinges, limits, file);
+                let rounded = rounded.view().map_err(|error| unfit(&error))?;
+                let hinges = &groups.hinges;
+                let file = Self::encoded(rounded, wide, &motion.pattern, hinges, limits);
+                return file.map_err(|error| unfit(&error));
             }
             stretch *= excess;
         }
-        Err(FileError::Expected {
-            path: file.to_path_buf(),
-            place: "file_frames".into(),
-            expected: "knots far enough apart for numbers of 32 bits".into(),
-            found: format!("a path {stretch} times as slow still passes its limits"),
+        let expected = "knots far enough apart for numbers of 32 bits";
+        let found = format!("a path {stretch} times as slow still passes its limits");
+        Err(FileError::expected(file, "file_frames", expected, found))
+    }
+
+    /// Encodes a rounded path, which is widened again in `wide`.
+    fn encoded(
+        rounded: TrajectoryView<'_, f32>,
+        wide: TrajectoryView<'_, f64>,
+        pattern: &CreasePattern,
+        hinges: &[Membership],
+        limits: GroupLimits,
+    ) -> Result<Self, WriteError> {
+        let limits = vec![limits; rounded.groups()];
+        let groups = CreaseGroups::of_memberships(hinges.to_vec(), SAME_SECTOR_RAD / 4.0);
+        let stars = ReducedStars::all(pattern, &groups);
+        let closure = closure(wide, stars.distinct().view());
+        let (spokes, ends) = spokes(stars.essential().view());
+        let stars = StarsView::new(&spokes, &ends, rounded.groups());
+        let stars = stars.ok_or(WriteError::Spoke(0))?;
+        let mut bytes = Vec::new();
+        let sink = |part: &[u8]| bytes.extend_from_slice(part);
+        write(rounded, &limits, hinges, stars, closure, sink)?;
+        let last = wide.len().checked_sub(1).and_then(|last| wide.knot(last));
+        Ok(Self {
+            bytes,
+            groups: rounded.groups(),
+            hinges: hinges.len(),
+            spokes: spokes.len(),
+            knots: rounded.len(),
+            duration: last.map_or(0.0, |knot| knot.time),
         })
     }
 }
@@ -145,152 +177,113 @@ fn limit(known: Option<f64>, found: f64) -> f32 {
     }
 }
 
-/// The numbers of a motion, in the arrays that core's view of a trajectory takes.
-struct Arrays {
-    interpolation: Interpolation,
-    groups: usize,
+/// The numbers of a trajectory, in the arrays over which core's view of it lies.
+#[derive(Clone, Debug)]
+pub(crate) struct TrajectoryArrays<T> {
+    pub(crate) interpolation: Interpolation,
+    pub(crate) groups: usize,
     /// Seconds.
-    times: Vec<f64>,
+    pub(crate) times: Vec<T>,
     /// One row for each knot, radians.
-    angles: Vec<f64>,
+    pub(crate) angles: Vec<T>,
     /// One row for each knot, radians per second.
-    rates: Vec<f64>,
+    pub(crate) rates: Vec<T>,
     /// One row for each knot; empty unless the interpolation is homogeneous.
-    weights: Vec<[f64; 2]>,
+    pub(crate) weights: Vec<[T; 2]>,
 }
 
-impl Arrays {
-    fn of(motion: &Motion, groups: &HingeGroups) -> Self {
-        let nodes = || (0..motion.knots.len()).flat_map(|knot| groups.nodes(motion, knot));
-        let weighted = motion.interpolation == Interpolation::Homogeneous;
+impl<T: Scalar> TrajectoryArrays<T> {
+    /// Makes the arrays of these nodes, which come row after row.
+    pub(crate) fn new(
+        interpolation: Interpolation,
+        groups: usize,
+        times: Vec<T>,
+        nodes: &[Node<T>],
+    ) -> Self {
+        let is_weighted = interpolation == Interpolation::Homogeneous;
+        let weighted = nodes.iter().filter(|_| is_weighted);
         Self {
-            interpolation: motion.interpolation,
-            groups: groups.len(),
-            times: motion.knots.iter().map(|knot| knot.time).collect(),
-            angles: nodes().map(|node| node.angle).collect(),
-            rates: nodes().map(|node| node.rate).collect(),
-            weights: nodes()
-                .filter(|_| weighted)
-                .map(|node| node.weight)
-                .collect(),
+            interpolation,
+            groups,
+            times,
+            angles: nodes.iter().map(|node| node.angle).collect(),
+            rates: nodes.iter().map(|node| node.rate).collect(),
+            weights: weighted.map(|node| node.weight).collect(),
         }
     }
 
-    /// Returns the motion as a trajectory of core.
+    /// Returns the trajectory as core takes it.
     ///
     /// # Errors
-    /// If a controller cannot follow a knot; the error names the place.
-    fn view(&self, file: &Path) -> Result<TrajectoryView<'_, f64>, FileError> {
-        let view = TrajectoryView::new(
+    /// If a controller cannot follow a knot.
+    pub(crate) fn view(&self) -> Result<TrajectoryView<'_, T>, TrajectoryError> {
+        TrajectoryView::new(
             self.interpolation,
             self.groups,
             &self.times,
             &self.angles,
             &self.rates,
             &self.weights,
-        );
-        view.map_err(|error| unfit(file, &error))
+        )
     }
 }
 
-/// Makes the error of a trajectory that a controller cannot follow.
-fn unfit(file: &Path, error: &dyn core::error::Error) -> FileError {
-    let expected = "knots that a controller can follow";
-    FileError::expected(file, "file_frames", expected, error.to_string())
-}
+impl TrajectoryArrays<f64> {
+    fn of(motion: &Motion, groups: &HingeGroups) -> Self {
+        let knots = 0..motion.knots.len();
+        let nodes: Vec<_> = knots.flat_map(|knot| groups.nodes(motion, knot)).collect();
+        let times = motion.knots.iter().map(|knot| knot.time).collect();
+        Self::new(motion.interpolation, groups.len(), times, &nodes)
+    }
 
-/// A path rounded to `f32`, and the rounded numbers widened to `f64`.
-struct Rounded {
-    times: Vec<f32>,
-    angles: Vec<f32>,
-    rates: Vec<f32>,
-    weights: Vec<[f32; 2]>,
-    wide: Arrays,
-}
-
-impl Rounded {
-    /// Rounds a path that is stretched in time by the factor `stretch`.
-    fn of(exact: &Arrays, stretch: f64) -> Self {
-        let start = exact.times.first().copied().unwrap_or(0.0);
-        let round = |numbers: &[f64], factor: f64| -> Vec<f32> {
-            numbers.iter().map(|x| f32::lit(x * factor)).collect()
-        };
-        let times: Vec<f64> = exact.times.iter().map(|time| time - start).collect();
-        let times = round(&times, stretch);
-        let angles = round(&exact.angles, 1.0);
-        let rates = round(&exact.rates, 1.0 / stretch);
-        let weights = exact.weights.iter();
-        let weights: Vec<[f32; 2]> = weights
-            .map(|[weight, rate]| [f32::lit(*weight), f32::lit(rate / stretch)])
-            .collect();
-        let widen = |numbers: &[f32]| numbers.iter().map(|x| x.to_f64()).collect();
-        let wide = Arrays {
-            interpolation: exact.interpolation,
-            groups: exact.groups,
-            times: widen(&times),
-            angles: widen(&angles),
-            rates: widen(&rates),
-            weights: weights.iter().map(|w| w.map(Scalar::to_f64)).collect(),
-        };
-        Self {
-            times,
-            angles,
-            rates,
-            weights,
-            wide,
+    /// Returns the trajectory from time 0 on, stretched in time by the factor `stretch` and rounded to `f32`.
+    fn rounded(&self, stretch: f64) -> TrajectoryArrays<f32> {
+        let start = self.times.first().copied().unwrap_or(0.0);
+        let times = self.times.iter();
+        let slower = 1.0 / stretch;
+        let weights = self.weights.iter();
+        TrajectoryArrays {
+            interpolation: self.interpolation,
+            groups: self.groups,
+            times: times
+                .map(|time| f32::lit((time - start) * stretch))
+                .collect(),
+            angles: self.angles.iter().copied().map(f32::lit).collect(),
+            rates: self.rates.iter().map(|x| f32::lit(x * slower)).collect(),
+            weights: weights
+                .map(|[weight, rate]| [f32::lit(*weight), f32::lit(rate / stretch)])
+                .collect(),
         }
     }
+}
 
-    /// Returns the largest sampled closure residual of the rounded path, plus the residual that rounding adds.
-    fn closure(&self, stars: StarsView<'_, f64>, file: &Path) -> Result<f32, FileError> {
-        let view = self.wide.view(file)?;
-        let segments = 0..self.times.len().saturating_sub(1);
-        let places =
-            segments.flat_map(|segment| (0..=SAMPLES).map(move |sample| (segment, sample)));
-        let residuals = places.map(|(segment, sample)| {
-            let s = f64::from(sample) / f64::from(SAMPLES);
-            let curves = (0..self.wide.groups).filter_map(|group| view.curve(segment, group));
-            let angles: Vec<f64> = curves.map(|curve| curve.angle(s)).collect();
-            largest_star_residual(stars, &angles)
-        });
-        Ok(f32::lit(largest(residuals) + FLOOR))
+impl TrajectoryArrays<f32> {
+    fn widened(&self) -> TrajectoryArrays<f64> {
+        let widen = |numbers: &[f32]| numbers.iter().map(|x| x.to_f64()).collect();
+        let weights = self.weights.iter();
+        TrajectoryArrays {
+            interpolation: self.interpolation,
+            groups: self.groups,
+            times: widen(&self.times),
+            angles: widen(&self.angles),
+            rates: widen(&self.rates),
+            weights: weights.map(|pair| pair.map(Scalar::to_f64)).collect(),
+        }
     }
+}
 
-    fn write(
-        &self,
-        pattern: &CreasePattern,
-        hinges: Vec<Membership>,
-        limits: GroupLimits,
-        file: &Path,
-    ) -> Result<TrajFile, FileError> {
-        let view = TrajectoryView::new(
-            self.wide.interpolation,
-            self.wide.groups,
-            &self.times,
-            &self.angles,
-            &self.rates,
-            &self.weights,
-        );
-        let view = view.map_err(|error| unfit(file, &error))?;
-        let limits = vec![limits; self.wide.groups];
-        let groups = CreaseGroups::of_memberships(hinges.clone(), SAME_SECTOR / 4.0);
-        let stars = ReducedStars::all(pattern, &groups);
-        let closure = self.closure(stars.distinct().view(), file)?;
-        let (spokes, ends) = spokes(stars.essential().view());
-        let stars = StarsView::new(&spokes, &ends, self.wide.groups);
-        let stars = stars.ok_or_else(|| unfit(file, &WriteError::Spoke(0)))?;
-        let mut bytes = Vec::new();
-        let sink = |part: &[u8]| bytes.extend_from_slice(part);
-        write(view, &limits, &hinges, stars, closure, sink).map_err(|error| unfit(file, &error))?;
-        Ok(TrajFile {
-            bytes,
-            groups: self.wide.groups,
-            hinges: hinges.len(),
-            spokes: spokes.len(),
-            knots: self.times.len(),
-            duration: self.wide.times.last().copied().unwrap_or(0.0),
-        })
-    }
+/// Returns the largest sampled closure residual of a rounded path, widened again, plus the residual that rounding adds.
+fn closure(wide: TrajectoryView<'_, f64>, stars: StarsView<'_, f64>) -> f32 {
+    let segments = 0..wide.len().saturating_sub(1);
+    let places =
+        segments.flat_map(|segment| (0..=SAMPLES_PER_SEGMENT).map(move |sample| (segment, sample)));
+    let residuals = places.map(|(segment, sample)| {
+        let s = f64::from(sample) / f64::from(SAMPLES_PER_SEGMENT);
+        let curves = (0..wide.groups()).filter_map(|group| wide.curve(segment, group));
+        let angles: Vec<f64> = curves.map(|curve| curve.angle(s)).collect();
+        largest_star_residual(stars, &angles)
+    });
+    f32::lit(largest(residuals) + MIN_CLOSURE_RAD)
 }
 
 /// Rounds the spokes of all stars to `f32`. Returns the spokes and, for each star, the index behind its last spoke.

@@ -53,6 +53,22 @@ impl Grid {
         });
     }
 
+    /// Joins opposite corners of a cell (column, row) by a mountain. The mountain leads up to the right if it `rises`, and
+    /// otherwise down.
+    pub(super) fn join_diagonal(
+        &mut self,
+        (column, row): (usize, usize),
+        rises: bool,
+        fold_angle: f64,
+    ) {
+        let (from, to) = if rises {
+            (row, row + 1)
+        } else {
+            (row + 1, row)
+        };
+        self.join((column, from), (column + 1, to), true, fold_angle);
+    }
+
     pub(super) fn into_drawing(self) -> Drawing {
         self.drawing
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::{ParameterError, check_size, crease};
+use super::{ParameterError, check, check_size, crease, number};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// A flat conical Kresling pattern: a regular polygon of `columns` sides as central panel, and round it `rows` rings of
@@ -25,16 +25,16 @@ pub struct Kresling {
 }
 
 /// Largest number of sides; with more, the rings beyond the second are too narrow to be seen.
-const MOST_SIDES: usize = 24;
+const MAX_SIDES: usize = 24;
 /// Height of the triangles on the inner polygon, relative to the least height with a second state.
-const HEIGHT: f64 = 1.4;
+const HEIGHT_RATIO: f64 = 1.4;
 /// Rotation of an outer polygon against the inner one's sides, relative to the angle of one side at the centre.
-const TWIST: f64 = 0.25;
+const TWIST_RATIO: f64 = 0.25;
 /// Steps of the search for a raised state, in the fold angle of a ring's inner sides. Each step is at most half a
 /// degree wide; two states closer than that would be useless as goals.
-const STEPS: u32 = 720;
+const SEARCH_STEPS: u32 = 720;
 /// Largest angle (radians) from level that still counts as the flat state.
-const LEVEL: f64 = 0.05;
+const LEVEL_RAD: f64 = 0.05;
 /// Number of bisections of a step, down to the resolution of the numbers.
 const HALVINGS: u32 = 60;
 
@@ -46,26 +46,19 @@ impl Kresling {
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
         check_size("rows", self.rows, 1)?;
         check_size("cols", self.columns, 2)?;
-        let error = |parameter, expected, size: usize| {
-            #[allow(clippy::cast_precision_loss, reason = "for a message")]
-            let found = size as f64;
-            ParameterError {
-                parameter,
-                expected,
-                found,
-            }
-        };
-        if self.columns < 4 || self.columns > MOST_SIDES || !self.columns.is_multiple_of(2) {
-            let expected = "an even number of sides from 4 to 24";
-            return Err(error("cols", expected, self.columns));
-        }
+        let is_allowed = (4..=MAX_SIDES).contains(&self.columns) && self.columns.is_multiple_of(2);
+        let expected = "an even number of sides from 4 to 24";
+        check(is_allowed, "cols", number(self.columns), expected)?;
         let mut flat = vec![Vector3::x()];
         let mut raised = flat.clone();
         for _ in 0..self.rows {
             let ring = self.next(flat[flat.len() - 1], raised[raised.len() - 1]);
             let Some((outer, outer_raised)) = ring else {
-                let expected = "as many rings as have a raised state, which are fewer";
-                return Err(error("rows", expected, self.rows));
+                return Err(ParameterError {
+                    parameter: "rows",
+                    expected: "as many rings as have a raised state, which are fewer",
+                    found: number(self.rows),
+                });
             };
             flat.push(outer);
             raised.push(outer_raised);
@@ -75,15 +68,12 @@ impl Kresling {
 
     /// Returns the angle of a side at the centre, radians.
     fn side(&self) -> f64 {
-        #[allow(clippy::cast_precision_loss, reason = "at most 24")]
-        let sides = self.columns as f64;
-        core::f64::consts::TAU / sides
+        core::f64::consts::TAU / number(self.columns)
     }
 
     /// Returns corner k of a polygon whose first corner is given: rotated, and reflected for odd k if `reflects`.
     fn corner(&self, first: Vector3<f64>, k: usize, reflects: bool) -> Vector3<f64> {
-        #[allow(clippy::cast_precision_loss, reason = "at most 24")]
-        let angle = self.side() * k as f64;
+        let angle = self.side() * number(k);
         let mut corner = Rotation3::from_axis_angle(&Vector3::z_axis(), angle) * first;
         if reflects && k % 2 == 1 {
             corner.z = -corner.z;
@@ -99,8 +89,8 @@ impl Kresling {
     ) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let half = self.side() / 2.0;
         let radius = inner.norm();
-        let height = HEIGHT * radius * half.sin() * half.tan();
-        let twist = TWIST * self.side();
+        let height = HEIGHT_RATIO * radius * half.sin() * half.tan();
+        let twist = TWIST_RATIO * self.side();
         let outer_radius = (radius * half.cos() + height) / twist.cos();
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), half + twist);
         let outer = turn * inner * (outer_radius / radius);
@@ -125,8 +115,8 @@ impl Kresling {
             let corner = place(angle);
             (self.corner(corner, 1, true) - corner).norm() - long
         };
-        let step = core::f64::consts::TAU / f64::from(STEPS);
-        let starts = (0..STEPS).map(|k| (f64::from(k) + 0.5) * step - core::f64::consts::PI);
+        let step = core::f64::consts::TAU / f64::from(SEARCH_STEPS);
+        let starts = (0..SEARCH_STEPS).map(|k| (f64::from(k) + 0.5) * step - core::f64::consts::PI);
         let states = starts
             .filter(|start| excess(*start) * excess(start + step) < 0.0)
             .map(|start| {
@@ -141,7 +131,7 @@ impl Kresling {
                 }
                 low
             });
-        let raised = states.filter(|angle| angle.abs() > LEVEL);
+        let raised = states.filter(|angle| angle.abs() > LEVEL_RAD);
         let gentlest = raised.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         Some((outer, place(gentlest)))
     }

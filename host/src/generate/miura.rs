@@ -1,7 +1,7 @@
 //! Generates the Miura fold.
 
 use super::grid::{Grid, point};
-use super::{ParameterError, check_between, check_fold, check_size};
+use super::{ParameterError, check_angle, check_fold, check_sizes};
 use crate::pattern::Drawing;
 
 /// The Miura fold of `rows` x `columns` parallelograms with unit sides. Straight creases run along x, zigzag creases
@@ -25,11 +25,9 @@ impl Miura {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         check_fold(self.fold)?;
-        let degrees = self.sector_angle.to_degrees();
-        check_between("angle", degrees, [1.0, 89.0], "1 to 89 degrees")?;
+        check_angle(self.sector_angle)?;
         let (sin, cos) = self.sector_angle.sin_cos();
         let mut grid = Grid::new(self.columns, self.rows, |column, row| {
             let mut place = point(column, row);

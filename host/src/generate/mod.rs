@@ -43,50 +43,58 @@ impl ParameterError {
 }
 
 /// Largest number of rows or columns of a sheet: the largest sheets have a little more than 10⁷ edges.
-const MOST: usize = 3_000;
+const MAX_ROWS: usize = 3_000;
+
+/// Checks the numbers of rows and columns.
+fn check_sizes(rows: usize, columns: usize, least: usize) -> Result<(), ParameterError> {
+    check_size("rows", rows, least)?;
+    check_size("cols", columns, least)
+}
 
 fn check_size(parameter: &'static str, size: usize, least: usize) -> Result<(), ParameterError> {
-    #[allow(clippy::cast_precision_loss, reason = "for a message")]
-    let found = size as f64;
     let expected = match least {
         1 => "1 to 3000",
         _ => "2 to 3000",
     };
-    if (least..=MOST).contains(&size) {
-        Ok(())
-    } else {
-        Err(ParameterError {
-            parameter,
-            expected,
-            found,
-        })
-    }
+    let is_allowed = (least..=MAX_ROWS).contains(&size);
+    check(is_allowed, parameter, number(size), expected)
 }
 
-fn check_between(
+#[allow(clippy::cast_precision_loss, reason = "for a message")]
+fn number(size: usize) -> f64 {
+    size as f64
+}
+
+/// Checks that a parameter is in its range.
+fn check(
+    is_allowed: bool,
     parameter: &'static str,
-    value: f64,
-    [low, high]: [f64; 2],
+    found: f64,
     expected: &'static str,
 ) -> Result<(), ParameterError> {
-    if value >= low && value <= high {
-        Ok(())
-    } else {
-        Err(ParameterError {
-            parameter,
-            expected,
-            found: value,
-        })
-    }
+    is_allowed.then_some(()).ok_or(ParameterError {
+        parameter,
+        expected,
+        found,
+    })
 }
 
+/// Checks a fraction of a half turn.
 fn check_fold(fold: f64) -> Result<(), ParameterError> {
-    check_between(
+    let expected = "a fraction above 0 and at most 1";
+    check(
+        (f64::MIN_POSITIVE..=1.0).contains(&fold),
         "fold",
         fold,
-        [f64::MIN_POSITIVE, 1.0],
-        "a fraction above 0 and at most 1",
+        expected,
     )
+}
+
+/// Checks an angle (radians) between creases.
+fn check_angle(angle: f64) -> Result<(), ParameterError> {
+    let degrees = angle.to_degrees();
+    let is_allowed = (1.0..=89.0).contains(&degrees);
+    check(is_allowed, "angle", degrees, "1 to 89 degrees")
 }
 
 /// Makes a crease with this goal fold angle, radians, and the letter of its sign.

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::grid::{Grid, point};
-use super::{ParameterError, check_between, check_size};
+use super::{ParameterError, check, check_sizes};
 use crate::pattern::Drawing;
 
 /// Quad, the case of [XiLien2015](crate#references) that is not rigidly foldable: `rows` x `columns` slender
@@ -32,24 +32,24 @@ pub struct Quad {
 
 impl Quad {
     /// Ratio of the long side to the short side.
-    const LONG: f64 = 1.85;
+    const LONG_SIDE_RATIO: f64 = 1.85;
     /// Angle between the sides, radians.
-    const SHARP: f64 = 0.1;
+    const SHARP_RAD: f64 = 0.1;
     /// Goal angles of the short and the long sides, as fractions of that of the diagonals.
-    const SHORT_FOLD: f64 = 0.83;
-    const LONG_FOLD: f64 = 0.99;
+    const SHORT_FOLD_RATIO: f64 = 0.83;
+    const LONG_FOLD_RATIO: f64 = 0.99;
 
     /// Returns the pattern with its goal.
     ///
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         let small = "a fraction above 0 and at most 0.1";
-        check_between("fold", self.fold, [f64::MIN_POSITIVE, 0.1], small)?;
-        let (sin, cos) = Self::SHARP.sin_cos();
-        let long = Vector2::new(cos, sin) * Self::LONG;
+        let is_small = (f64::MIN_POSITIVE..=0.1).contains(&self.fold);
+        check(is_small, "fold", self.fold, small)?;
+        let (sin, cos) = Self::SHARP_RAD.sin_cos();
+        let long = Vector2::new(cos, sin) * Self::LONG_SIDE_RATIO;
         let mut grid = Grid::new(self.columns, self.rows, |column, row| {
             let cell = point(column, row);
             Vector2::new(cell.x, 0.0) + long * cell.y
@@ -59,11 +59,11 @@ impl Quad {
             for column in 0..=self.columns {
                 let (right, up) = (column < self.columns, row < self.rows);
                 if up {
-                    let angle = diagonal * Self::LONG_FOLD;
+                    let angle = diagonal * Self::LONG_FOLD_RATIO;
                     grid.join((column, row), (column, row + 1), false, angle);
                 }
                 if right {
-                    let angle = diagonal * Self::SHORT_FOLD;
+                    let angle = diagonal * Self::SHORT_FOLD_RATIO;
                     grid.join((column, row), (column + 1, row), false, angle);
                 }
                 if right && up {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_size, crease};
+use super::{ParameterError, check_sizes, crease};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// Ron Resch's triangular tessellation: `rows` x `columns` stars, with smaller equilateral triangles between them. Each
@@ -39,9 +39,9 @@ const BETWEEN: [([Point; 3], [Point; 3]); 2] = [
     ([(1, 1), (2, -2), (3, 1)], [(0, 0), (3, 3), (3, -3)]),
 ];
 
-const VALLEY: f64 = core::f64::consts::PI;
-const SIDE: f64 = -core::f64::consts::FRAC_PI_2;
-const MOUNTAIN: f64 = -core::f64::consts::FRAC_PI_3;
+const VALLEY_RAD: f64 = core::f64::consts::PI;
+const SIDE_RAD: f64 = -core::f64::consts::FRAC_PI_2;
+const MOUNTAIN_RAD: f64 = -core::f64::consts::FRAC_PI_3;
 
 impl Resch {
     /// Returns the pattern with its goal.
@@ -49,8 +49,7 @@ impl Resch {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         let mut builder = DrawingBuilder::default();
         #[allow(clippy::cast_possible_truncation, reason = "at most 3000")]
         #[allow(clippy::cast_possible_wrap, reason = "at most 3000")]
@@ -66,8 +65,8 @@ impl Resch {
                 if is_star(star) {
                     for k in 0..3 {
                         let [corner, midpoint] = [CORNERS[k], MIDPOINTS[k]];
-                        builder.crease([star, add(star, corner)], VALLEY);
-                        builder.crease([star, add(star, midpoint)], MOUNTAIN);
+                        builder.crease([star, add(star, corner)], VALLEY_RAD);
+                        builder.crease([star, add(star, midpoint)], MOUNTAIN_RAD);
                         for other in [(k + 1) % 3, (k + 2) % 3] {
                             let half = [add(star, corner), add(star, MIDPOINTS[other])];
                             builder.side(half);
@@ -126,7 +125,7 @@ impl DrawingBuilder {
 
     fn into_drawing(mut self) -> Drawing {
         let sides = self.sides.into_iter().map(|(ends, faces)| match faces {
-            2 => crease(ends, SIDE),
+            2 => crease(ends, SIDE_RAD),
             _ => DrawnEdge::boundary(ends),
         });
         self.drawing.edges.extend(sides);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{ParameterError, check_between, check_fold, check_size, crease};
+use super::{ParameterError, check_angle, check_fold, check_sizes, crease};
 use crate::pattern::{Drawing, DrawnEdge};
 
 /// A tessellation of `rows` x `columns` square twists. A pleat of two parallel creases leaves each side of a unit
@@ -38,7 +38,7 @@ pub enum Letters {
 }
 
 /// Side length of a tile.
-const TILE: f64 = 2.0;
+const TILE_LENGTH: f64 = 2.0;
 
 /// Fold angles at the corner where side k of a square begins, in radians.
 struct Corner {
@@ -54,11 +54,9 @@ impl SquareTwist {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         check_fold(self.fold)?;
-        let degrees = self.angle.to_degrees();
-        check_between("angle", degrees, [1.0, 89.0], "1 to 89 degrees")?;
+        check_angle(self.angle)?;
         let mut drawing = Drawing::default();
         for row in 0..self.rows {
             for column in 0..self.columns {
@@ -96,7 +94,7 @@ impl SquareTwist {
     fn corners(&self, row: usize, column: usize) -> [Vector2<f64>; 4] {
         let (sin, cos) = self.angle.sin_cos();
         let first = Vector2::new(sin - cos, -cos - sin) / 2.0;
-        let centre = Vector2::new(size(column), size(row)).add_scalar(TILE / 2.0);
+        let centre = Vector2::new(size(column), size(row)).add_scalar(TILE_LENGTH / 2.0);
         let sign = |index: usize| if index.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mirror = Vector2::new(sign(column), sign(row));
         let mut corner = first;
@@ -192,5 +190,5 @@ impl SquareTwist {
 /// Returns the length of `tiles` tiles.
 #[allow(clippy::cast_precision_loss, reason = "at most thousands of tiles")]
 fn size(tiles: usize) -> f64 {
-    tiles as f64 * TILE
+    tiles as f64 * TILE_LENGTH
 }

@@ -1,7 +1,7 @@
 //! Generates the waterbomb tessellation on the report's grid.
 
 use super::grid::{Grid, point};
-use super::{ParameterError, check_fold, check_size};
+use super::{ParameterError, check_fold, check_sizes};
 use crate::pattern::Drawing;
 
 /// The waterbomb tessellation on `rows` x `columns` unit squares. It consists of units of 2x2 squares; neighbouring
@@ -29,8 +29,7 @@ impl Waterbomb {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 2)?;
-        check_size("cols", self.columns, 2)?;
+        check_sizes(self.rows, self.columns, 2)?;
         check_fold(self.fold)?;
         let [middle, cross, diagonal, boundary] = Self::angles(self.fold * core::f64::consts::PI);
         let (columns, rows) = (self.rows, self.columns);
@@ -55,12 +54,7 @@ impl Waterbomb {
                 if column < columns && row < rows {
                     // The diagonal leads towards the centre of the unit, which is halfway up the band.
                     let rises = at_unit_side(column, row) == (row % 2 == 0);
-                    let (from, to) = if rises {
-                        (row, row + 1)
-                    } else {
-                        (row + 1, row)
-                    };
-                    grid.join((column, from), (column + 1, to), true, diagonal);
+                    grid.join_diagonal((column, row), rises, diagonal);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Generates the Yoshimura (diamond) pattern.
 
 use super::grid::{Grid, point};
-use super::{ParameterError, check_between, check_fold, check_size};
+use super::{ParameterError, check_angle, check_fold, check_sizes};
 use crate::pattern::Drawing;
 
 /// The Yoshimura pattern on `rows` x `columns` cells, each with one diagonal. Straight valleys run along y, and
@@ -29,15 +29,9 @@ impl Yoshimura {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn drawing(&self) -> Result<Drawing, ParameterError> {
-        check_size("rows", self.rows, 1)?;
-        check_size("cols", self.columns, 1)?;
+        check_sizes(self.rows, self.columns, 1)?;
         check_fold(self.fold)?;
-        check_between(
-            "angle",
-            self.angle.to_degrees(),
-            [1.0, 89.0],
-            "1 to 89 degrees",
-        )?;
+        check_angle(self.angle)?;
         let height = 1.0 / self.angle.tan();
         let mut grid = Grid::new(self.columns, self.rows, |column, row| {
             let mut place = point(column, row);
@@ -55,13 +49,7 @@ impl Yoshimura {
                     grid.join((column, row), (column + 1, row), false, 0.0);
                 }
                 if column < self.columns && row < self.rows {
-                    let rises = (column + row) % 2 == 0;
-                    let (from, to) = if rises {
-                        (row, row + 1)
-                    } else {
-                        (row + 1, row)
-                    };
-                    grid.join((column, from), (column + 1, to), true, diagonal);
+                    grid.join_diagonal((column, row), (column + row) % 2 == 0, diagonal);
                 }
             }
         }

@@ -13,6 +13,7 @@ use super::{
     CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
 };
 use crate::util::csr::{Csr, group_by_key};
+use crate::util::nan_max::median;
 use crate::util::progress::Watch;
 
 impl CreasePattern {
@@ -32,21 +33,7 @@ impl CreasePattern {
         planarity::check(&drawing, &places, watch)?;
         let mut stars = sorted_stars(&drawing);
         let traced = drawing.faces.is_none();
-        let mut faces = match drawing.faces.take() {
-            Some(faces) => {
-                let faces = faces.into_iter();
-                faces.map(|f| f.into_iter().map(VertexId::new)).collect()
-            }
-            None => trace::faces(&drawing, &stars),
-        };
-        if faces.is_empty() {
-            return Err(PatternError::TooFew {
-                key: "faces_vertices",
-                found: 0,
-                least: 1,
-            });
-        }
-        turn_counter_clockwise(&drawing, &mut faces)?;
+        let mut faces = counter_clockwise_faces(&mut drawing, &stars)?;
         let mut edge_faces = edge_faces(&drawing, &stars, &faces, &places)?;
         if traced {
             part_two_faces(&stars, &drawing.edges, &edge_faces)?;
@@ -68,13 +55,8 @@ impl CreasePattern {
         let corners = group_by_key(drawing.vertices.len(), corners);
         let real = real_vertices(&stars, &edges);
         let (triangles, diagonals) = panels(&drawing, &faces)?;
-        let mut lengths: Vec<f64> = drawing
-            .edges
-            .iter()
-            .map(|e| length(&drawing, e.ends))
-            .collect();
-        let middle = lengths.len() / 2;
-        let median_edge = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let lengths = drawing.edges.iter().map(|e| length(&drawing, e.ends));
+        let median_edge = median(lengths).unwrap_or_default();
         let along = |e: &DrawnEdge| {
             let [a, b] = e.ends.map(|end| drawing.vertices[end]);
             (b - a).normalize()
@@ -242,10 +224,25 @@ fn turn(direction: Vector2<f64>) -> f64 {
     }
 }
 
-fn turn_counter_clockwise(
-    drawing: &Drawing,
-    faces: &mut Csr<VertexId>,
-) -> Result<(), PatternError> {
+/// Returns the faces that the drawing names, or else those that its edges enclose, counter-clockwise.
+fn counter_clockwise_faces(
+    drawing: &mut Drawing,
+    stars: &Csr<EdgeId>,
+) -> Result<Csr<VertexId>, PatternError> {
+    let mut faces = match drawing.faces.take() {
+        Some(faces) => {
+            let faces = faces.into_iter();
+            faces.map(|f| f.into_iter().map(VertexId::new)).collect()
+        }
+        None => trace::faces(drawing, stars),
+    };
+    if faces.is_empty() {
+        return Err(PatternError::TooFew {
+            key: "faces_vertices",
+            found: 0,
+            least: 1,
+        });
+    }
     for face in 0..faces.len() {
         let cycle = &mut faces[face];
         let area = area(drawing, cycle.iter().copied());
@@ -256,7 +253,7 @@ fn turn_counter_clockwise(
             cycle.reverse();
         }
     }
-    Ok(())
+    Ok(faces)
 }
 
 /// Returns for each vertex the first vertex at its place. Vertices may share a place only if the drawing names its
@@ -442,7 +439,7 @@ fn real_vertices(stars: &Csr<EdgeId>, edges: &[Edge]) -> Vec<bool> {
 }
 
 /// Largest sum of the squared numbers of corners over all faces: triangulation takes as many steps, some seconds.
-const STEPS: usize = 1 << 30;
+const MAX_TRIANGULATION_STEPS: usize = 1 << 30;
 
 type Panels = (Csr<[VertexId; 3]>, Vec<[VertexId; 2]>);
 
@@ -452,7 +449,7 @@ fn panels(drawing: &Drawing, faces: &Csr<VertexId>) -> Result<Panels, PatternErr
     let mut steps = 0;
     for (face, cycle) in faces.iter().enumerate() {
         steps += cycle.len() * cycle.len();
-        if steps > STEPS {
+        if steps > MAX_TRIANGULATION_STEPS {
             let corners = cycle.len();
             return Err(PatternError::Corners { face, corners });
         }

@@ -21,7 +21,7 @@ pub enum FlatFlaw {
 
 /// Largest difference (radians) from half a turn of the sum of every other sector at a flat-foldable vertex with
 /// rounded coordinates.
-const SAME_ANGLE: f64 = 1e-3;
+const SAME_ANGLE_RAD: f64 = 1e-3;
 
 impl CreasePattern {
     /// Returns the real vertices that cannot fold flat with all their mountains and valleys, each with the reason.
@@ -57,7 +57,7 @@ impl CreasePattern {
         let sectors = directions.zip(next).step_by(2);
         let sectors = sectors.map(|(from, to)| turn_between(from, to));
         let sum: f64 = sectors.sum();
-        if (sum - PI).abs() > SAME_ANGLE {
+        if (sum - PI).abs() > SAME_ANGLE_RAD {
             return Some(FlatFlaw::Kawasaki(sum));
         }
         (mountains.abs_diff(valleys) != 2).then_some(FlatFlaw::Maekawa(mountains, valleys))

@@ -8,11 +8,11 @@ use crate::util::csr::group_by_key;
 use crate::util::progress::Watch;
 
 /// Mean number of cells covered by an edge above which the grid is made coarser.
-const CELLS_PER_EDGE: f64 = 64.0;
+const MAX_CELLS_PER_EDGE: f64 = 64.0;
 
 /// Budget of compared pairs of edges: the first number for each edge, but in all at least the second. If all edges are
 /// in one place, each is near all others. In tessellations each is near some tens of others.
-const PAIRS: [usize; 2] = [1 << 10, 1 << 27];
+const MAX_PAIRS: [usize; 2] = [1 << 10, 1 << 27];
 
 /// Checks every pair of edges that come near each other. A uniform grid with cells of about one edge length finds these
 /// pairs in expected linear time. The orientation tests are exact. Vertices at the same place count as one: `places`
@@ -31,7 +31,7 @@ pub(super) fn check(
         drawing.edges.iter().map(cells).sum()
     };
     #[allow(clippy::cast_precision_loss, reason = "a bound on work, not a result")]
-    let most = CELLS_PER_EDGE * drawing.edges.len() as f64;
+    let most = MAX_CELLS_PER_EDGE * drawing.edges.len() as f64;
     while covered(cell) > most {
         cell *= 2.0;
     }
@@ -50,7 +50,7 @@ pub(super) fn check(
     let edges = 0..drawing.edges.len();
     let in_buckets = |edge| cells(edge).map(move |cell| (bucket(cell, buckets), edge));
     let grid = group_by_key(buckets, edges.clone().flat_map(in_buckets));
-    let most = PAIRS[1].max(PAIRS[0] * drawing.edges.len());
+    let most = MAX_PAIRS[1].max(MAX_PAIRS[0] * drawing.edges.len());
     let mut pairs = 0;
     for edge in edges {
         for cell in cells(edge) {

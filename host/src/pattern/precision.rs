@@ -9,9 +9,9 @@ const FULL_DIGITS: usize = 14;
 const MIN_DIGITS: usize = 5;
 const MIN_BENT_DIGITS: usize = 3;
 /// Sines of the least and the largest bend of a line that is meant to be straight.
-const BENT: core::ops::Range<f64> = 1e-9..1e-3;
+const BENT_SINES: core::ops::Range<f64> = 1e-9..1e-3;
 /// Denominator of binary fractions that are meant as they are, as on a grid.
-const GRID: f64 = 1024.0;
+const GRID_PER_UNIT: f64 = 1024.0;
 
 impl CreasePattern {
     /// Returns the unit of the last digit of the largest coordinate, in the drawing's units, if coordinates are rounded;
@@ -24,7 +24,8 @@ impl CreasePattern {
     pub fn coordinate_unit(&self) -> f64 {
         let coordinates = || self.vertices.iter().flat_map(|point| [point.x, point.y]);
         let largest = coordinates().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let uneven = || coordinates().filter(|x| x.is_finite() && (x * GRID).fract() != 0.0);
+        let uneven =
+            || coordinates().filter(|x| x.is_finite() && (x * GRID_PER_UNIT).fract() != 0.0);
         let mut digits = 0;
         for x in uneven() {
             digits = digits.max(significant_digits(x));
@@ -68,7 +69,7 @@ impl CreasePattern {
             let directions = || star.iter().map(|&edge| self.direction(edge, vertex));
             directions().enumerate().any(|(index, a)| {
                 let mut others = directions().skip(index + 1);
-                others.any(|b| a.dot(&b) < 0.0 && BENT.contains(&a.perp(&b).abs()))
+                others.any(|b| a.dot(&b) < 0.0 && BENT_SINES.contains(&a.perp(&b).abs()))
             })
         })
     }

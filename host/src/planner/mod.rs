@@ -46,9 +46,9 @@
 //!
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
-//! < closing (elimination_tree < cholesky < sparse < chord < solver)
+//! < closing (sparse < chord < solver)
 //! < following (follow < reduction, search < branch, judge < mobility, legs < route < route_selection)
-//! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
+//! < foldability (flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,

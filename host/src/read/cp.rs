@@ -1,17 +1,14 @@
 //! Reads CP files of ORIPA and Oriedita: each line of text is one line of the drawing, `type x1 y1 x2 y2`.
 //!
 //! The types are 0 none, 1 contour, 2 mountain and 3 valley. Oriedita writes 4 for auxiliary lines and reads every
-//! other type as auxiliary; lines of these types are no creases. On the screens of those programs y points down, so
-//! this reader negates y to show the sheet as it was drawn.
+//! other type as auxiliary; lines of these types are no creases.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::Vector2;
-
-use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::error::quoted;
+use super::oripa::TypedLines;
+use super::segments::{MAX_LINES, pattern_file};
 use super::{FileError, ReadOptions};
-use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
@@ -26,15 +23,11 @@ pub(super) fn parse_pattern(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let mut segments = Vec::new();
-    let mut auxiliary: BTreeMap<u8, usize> = BTreeMap::new();
+    let mut lines = TypedLines::default();
     let mut commas = 0_usize;
     for (index, line) in text.lines().enumerate() {
-        let expected = |expected: &str, found: &str| FileError::Expected {
-            path: path.to_path_buf(),
-            place: format!("line {}", index + 1),
-            expected: expected.into(),
-            found: format!("\"{}\"", found.chars().take(40).collect::<String>()),
+        let expected = |expected: &str, found: &str| {
+            FileError::expected(path, format!("line {}", index + 1), expected, quoted(found))
         };
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
@@ -53,49 +46,16 @@ pub(super) fn parse_pattern(
             commas += usize::from(number.is_some() && field.contains(','));
             number.ok_or_else(|| expected("a number", field))
         };
-        let ends = [
-            Vector2::new(number(x1)?, -number(y1)?),
-            Vector2::new(number(x2)?, -number(y2)?),
-        ];
-        let letter = match kind.parse() {
-            Ok(1) => Letter::Boundary,
-            Ok(2) => Letter::Mountain,
-            Ok(3) => Letter::Valley,
-            Ok(other) => {
-                *auxiliary.entry(other).or_default() += 1;
-                continue;
-            }
-            Err(_) => {
-                let types = "a type, 1 contour, 2 mountain, 3 valley or 4 auxiliary";
-                return Err(expected(types, kind));
-            }
-        };
-        if segments.len() == MOST {
-            return Err(expected(&format!("at most {MOST} lines"), line));
-        }
-        segments.push(Segment {
-            ends,
-            letter,
-            goal: None,
-        });
+        let coordinates = [number(x1)?, number(y1)?, number(x2)?, number(y2)?];
+        let types = "a type, 1 contour, 2 mountain, 3 valley or 4 auxiliary";
+        let kind: u8 = kind.parse().map_err(|_| expected(types, kind))?;
+        let added = lines.add(kind.into(), coordinates);
+        added.ok_or_else(|| expected(&format!("at most {MAX_LINES} lines"), line))?;
     }
-    let left_out = auxiliary.into_iter().map(|(kind, count)| {
-        let name = match kind {
-            0 => "lines of no type (type 0)".into(),
-            4 => "auxiliary lines (type 4)".into(),
-            other => format!("lines of type {other}, taken as auxiliary,"),
-        };
-        format!("{name} left out: {count}")
-    });
-    let mut notes: Vec<String> = left_out.collect();
+    let mut lines = lines.into_loose("lines of no type");
     if commas > 0 {
-        notes.push(format!("numbers with a comma for the point: {commas}"));
+        let note = format!("numbers with a comma for the point: {commas}");
+        lines.notes.push(note);
     }
-    let lines = LooseLines {
-        segments,
-        y_down: true,
-        notes,
-        ..LooseLines::default()
-    };
     pattern_file(path, lines, options, watch)
 }

@@ -6,12 +6,21 @@ use std::path::{Path, PathBuf};
 use foldpath_core::trajectory_file;
 use thiserror::Error;
 
-use super::locate;
+use super::{BYTE_ORDER_MARK, locate};
 use crate::pattern::PatternError;
 use crate::unfold::ShapeError;
 
 /// Place of an error in a file, the value expected at that place and the value found.
 pub(super) type Wrong = (String, String, String);
+
+/// Largest number of characters of a file's text that an error shows.
+const MAX_SHOWN_CHARS: usize = 40;
+
+/// Returns the beginning of a file's text in quotes, to show in an error.
+pub(super) fn quoted(text: &str) -> String {
+    let shown: String = text.chars().take(MAX_SHOWN_CHARS).collect();
+    format!("\"{shown}\"")
+}
 
 /// Reason why a file could not be read or written.
 #[derive(Debug, Error)]
@@ -85,7 +94,7 @@ pub enum FileError {
 }
 
 /// Size in bytes beyond which a file is not read again to show the place of an error.
-const LARGEST_SHOWN: u64 = 1 << 28;
+const MAX_SHOWN_BYTES: u64 = 1 << 28;
 
 impl FileError {
     /// Makes the error that another value was expected at a place of a file.
@@ -101,6 +110,11 @@ impl FileError {
             expected: expected.into(),
             found: found.into(),
         }
+    }
+
+    /// Returns a function that makes an error of what is wrong at a place of a file.
+    pub(super) fn wrong(path: &Path) -> impl Fn(Wrong) -> Self {
+        |(place, expected, found)| Self::expected(path, place, expected, found)
     }
 
     /// Returns a function that makes an error about a file of one that the operating system reports.
@@ -155,12 +169,12 @@ impl FileError {
     /// Reads the text of the file once more. Returns `None` for pipes, whose bytes can be read only once.
     fn text_again(&self) -> Option<String> {
         let found = std::fs::metadata(self.path()).ok()?;
-        if !found.is_file() || found.len() > LARGEST_SHOWN {
+        if !found.is_file() || found.len() > MAX_SHOWN_BYTES {
             return None;
         }
         let text = String::from_utf8(std::fs::read(self.path()).ok()?).ok()?;
         Some(
-            text.strip_prefix('\u{feff}')
+            text.strip_prefix(BYTE_ORDER_MARK)
                 .map(String::from)
                 .unwrap_or(text),
         )

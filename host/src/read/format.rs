@@ -24,7 +24,7 @@ pub enum Format {
 }
 
 /// Number of bytes at the beginning of an XML document within which ORIPA's names are looked for.
-const XML_HEAD: usize = 4096;
+const XML_HEAD_BYTES: usize = 4096;
 /// First words of lines in an OBJ file.
 const OBJ_WORDS: [&str; 9] = ["v", "vt", "vn", "f", "l", "o", "g", "mtllib", "usemtl"];
 
@@ -67,7 +67,7 @@ impl Format {
         if stl::triangles(bytes).is_some() {
             return Self::Stl;
         }
-        let head = &bytes[..bytes.len().min(XML_HEAD)];
+        let head = &bytes[..bytes.len().min(XML_HEAD_BYTES)];
         let text = String::from_utf8_lossy(head);
         let text = text.trim_start_matches(BYTE_ORDER_MARK).trim_start();
         if text.starts_with('<') {
@@ -101,7 +101,7 @@ impl Format {
     #[must_use]
     pub fn largest_file(self) -> u64 {
         match self {
-            Self::Fold => fold::LARGEST_FILE,
+            Self::Fold => fold::MAX_FILE_BYTES,
             Self::Svg | Self::Opx => 1 << 26,
             Self::Cp | Self::Obj | Self::Stl => 1 << 28,
         }

@@ -10,7 +10,7 @@ use crate::unfold::FoldedShape;
 
 /// Merging distance, as a fraction of the shape's size. Files of single precision write the same place with equal
 /// numbers, and different places with numbers that differ by at least 6e-8 of the size.
-const NEAR: f64 = 1e-9;
+const SAME_PLACE_RATIO: f64 = 1e-9;
 
 /// Returns `true` if any vertex belongs to two faces, or if there are fewer than two faces.
 pub(super) fn shares_vertices(faces: &[Vec<usize>]) -> bool {
@@ -23,7 +23,7 @@ pub(super) fn shares_vertices(faces: &[Vec<usize>]) -> bool {
 /// Merges vertices at the same place and numbers them in the order in which the faces refer to them. A face that loses
 /// a corner by merging has no area and is left out. Adds to `notes` how many vertices were merged and faces left out.
 pub(super) fn merged(shape: FoldedShape, notes: &mut Vec<String>) -> FoldedShape {
-    let near = NEAR * shape.size();
+    let near = SAME_PLACE_RATIO * shape.size();
     let mut places = Places {
         near,
         ..Places::default()

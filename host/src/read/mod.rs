@@ -13,6 +13,7 @@ mod obj;
 mod options;
 #[cfg(feature = "svg")]
 mod opx;
+mod oripa;
 mod segments;
 mod stl;
 #[cfg(feature = "svg")]
@@ -53,7 +54,7 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// If the source cannot be read, or has more bytes than a file of its format may have.
 pub fn read_stream(path: &Path, source: impl Read) -> Result<(Vec<u8>, Format), FileError> {
     let mut bytes = Vec::new();
-    let most = fold::LARGEST_FILE;
+    let most = fold::MAX_FILE_BYTES;
     let read = source.take(most + 1).read_to_end(&mut bytes);
     read.map_err(FileError::io(path))?;
     let format = Format::of_content(&bytes);
@@ -116,12 +117,11 @@ fn parse_within(
         #[cfg(feature = "svg")]
         Format::Opx => opx::parse_pattern(path, text(path, bytes)?, options, watch),
         #[cfg(not(feature = "svg"))]
-        Format::Svg | Format::Opx => Err(FileError::Expected {
-            path: path.to_path_buf(),
-            place: "the file".into(),
-            expected: "a format of this program, which was built without its feature `svg`".into(),
-            found: format.described(),
-        }),
+        Format::Svg | Format::Opx => {
+            let expected = "a format of this program, which was built without its feature `svg`";
+            let found = format.described();
+            Err(FileError::expected(path, "the file", expected, found))
+        }
         Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
@@ -183,12 +183,8 @@ pub fn parse_shape(
         (Format::Obj | Format::Stl, Some(frame)) => {
             let expected = "a FOLD file, which has frames";
             let place = format!("frame {frame}");
-            Err(FileError::expected(
-                path,
-                place,
-                expected,
-                format.described(),
-            ))
+            let found = format.described();
+            Err(FileError::expected(path, place, expected, found))
         }
         _ => fold::parse_shape(path, bytes, frame),
     }

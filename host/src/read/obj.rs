@@ -9,6 +9,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::error::quoted;
 use super::fold::{FLAT_PATTERN, NOT_FLAT, PatternFile, lay};
 use super::{FileError, ShapeFile, merge, stem};
 use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
@@ -101,8 +102,7 @@ pub(super) fn parse_pattern(
 type Wrong = (String, String);
 
 fn wrong(expected: &str, found: &str) -> Wrong {
-    let found: String = found.chars().take(40).collect();
-    (expected.into(), format!("\"{found}\""))
+    (expected.into(), quoted(found))
 }
 
 /// A surface under construction.

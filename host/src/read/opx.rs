@@ -2,26 +2,21 @@
 //!
 //! The lines are an array of objects with the properties `type`, `x0`, `x1`, `y0` and `y1`. The encoder leaves out every
 //! property that is zero. The types are 0 auxiliary, 1 contour, 2 mountain and 3 valley, as in CP files; other types are
-//! no creases. On the screen of ORIPA y points down, so this reader negates y to show the sheet as it was drawn.
+//! no creases.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::Vector2;
 use usvg::roxmltree::{Document, Error, Node, ParsingOptions};
 
-use super::error::Wrong;
-use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::error::{Wrong, quoted};
+use super::oripa::TypedLines;
+use super::segments::{LooseLines, MAX_LINES, pattern_file};
 use super::{FileError, ReadOptions, svg};
-use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
 /// Largest number of nodes of the document. A line has up to 42, texts between elements included.
-const NODES: u32 = 1 << 23;
-
-/// Largest number of characters of a file's text that an error shows.
-const SHOWN: usize = 40;
+const MAX_NODES: u32 = 1 << 23;
 
 /// Parses a crease pattern from the text of a file. The file names no angles, so its creases have no goals.
 ///
@@ -33,8 +28,7 @@ pub(super) fn parse_pattern(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let told = |(place, expected, found)| FileError::expected(path, place, expected, found);
-    let (lines, title) = lines(text).map_err(told)?;
+    let (lines, title) = lines(text).map_err(FileError::wrong(path))?;
     let mut file = pattern_file(path, lines, options, watch)?;
     if let Some(title) = title {
         file.title = title;
@@ -47,7 +41,7 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
     svg::check_text(text)?;
     // Without a document type there are no entities to expand.
     let parsing = ParsingOptions {
-        nodes_limit: NODES,
+        nodes_limit: MAX_NODES,
         ..Default::default()
     };
     let document = Document::parse_with_options(text, parsing).map_err(|error| {
@@ -57,16 +51,9 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
             _ => format!("no XML ({error})"),
         };
         let at = error.pos();
-        (
-            format!("line {}, column {}", at.row, at.col),
-            expected,
-            found,
-        )
+        let place = format!("line {}, column {}", at.row, at.col);
+        (place, expected, found)
     })?;
-    let wrong = |node: Node<'_, '_>, expected: &str, found: String| {
-        let place = format!("line {}", document.text_pos_at(node.range().start).row);
-        (place, expected.to_string(), found)
-    };
     let array = document.descendants().find(|node| {
         node.has_tag_name("array") && is_line(node.attribute("class").unwrap_or_default())
     });
@@ -75,65 +62,50 @@ fn lines(text: &str) -> Result<(LooseLines, Option<String>), Wrong> {
         let expected = "an OPX drawing, with an array of the class oripa.OriLineProxy";
         return Err(wrong(root, expected, "none".into()));
     };
-    let mut lines = LooseLines {
-        y_down: true,
-        ..LooseLines::default()
-    };
-    let mut auxiliary: BTreeMap<i64, usize> = BTreeMap::new();
+    let mut lines = TypedLines::default();
     let items = array.children().filter(Node::is_element);
     for item in items.filter_map(|item| item.first_element_child()) {
         if !item.has_tag_name("object") || !is_line(item.attribute("class").unwrap_or_default()) {
             let expected = "an object of the class oripa.OriLineProxy";
-            return Err(wrong(
-                item,
-                expected,
-                format!("<{}>", item.tag_name().name()),
-            ));
+            let found = format!("<{}>", item.tag_name().name());
+            return Err(wrong(item, expected, found));
         }
-        let (mut kind, mut place) = (0, [0.0; 4]);
-        for property in item.children().filter(Node::is_element) {
-            let Some(value) = property.first_element_child() else {
-                continue;
-            };
-            let name = property.attribute("property").unwrap_or_default();
-            let text = value.text().unwrap_or_default().trim();
-            let shown = || format!("\"{}\"", text.chars().take(SHOWN).collect::<String>());
-            if name == "type" {
-                let expected = "a type, 1 contour, 2 mountain, 3 valley or 0 auxiliary";
-                kind = text.parse().map_err(|_| wrong(value, expected, shown()))?;
-            } else if let Some(index) = ["x0", "y0", "x1", "y1"].iter().position(|at| *at == name) {
-                let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-                place[index] = number.ok_or_else(|| wrong(value, "a number", shown()))?;
-            }
-        }
-        let letter = match kind {
-            1 => Letter::Boundary,
-            2 => Letter::Mountain,
-            3 => Letter::Valley,
-            other => {
-                *auxiliary.entry(other).or_default() += 1;
-                continue;
-            }
-        };
-        if lines.segments.len() == MOST {
-            return Err(wrong(item, &format!("at most {MOST} lines"), "more".into()));
-        }
-        let [x0, y0, x1, y1] = place;
-        lines.segments.push(Segment {
-            ends: [Vector2::new(x0, -y0), Vector2::new(x1, -y1)],
-            letter,
-            goal: None,
-        });
+        let (kind, ends) = properties(item)?;
+        let most = || wrong(item, &format!("at most {MAX_LINES} lines"), "more".into());
+        lines.add(kind, ends).ok_or_else(most)?;
     }
-    let left_out = auxiliary.into_iter().map(|(kind, count)| match kind {
-        0 | 4 => format!("auxiliary lines (type {kind}) left out: {count}"),
-        other => format!("lines of type {other}, taken as auxiliary, left out: {count}"),
-    });
-    lines.notes = left_out.collect();
     let title = title(array)
         .map(str::trim)
         .filter(|title| !title.is_empty());
+    let lines = lines.into_loose("auxiliary lines");
     Ok((lines, title.map(String::from)))
+}
+
+/// Returns the type of a line and the coordinates x0, y0, x1 and y1 of its ends.
+fn properties(item: Node<'_, '_>) -> Result<(i64, [f64; 4]), Wrong> {
+    let (mut kind, mut ends) = (0, [0.0; 4]);
+    for property in item.children().filter(Node::is_element) {
+        let Some(value) = property.first_element_child() else {
+            continue;
+        };
+        let name = property.attribute("property").unwrap_or_default();
+        let text = value.text().unwrap_or_default().trim();
+        if name == "type" {
+            let expected = "a type, 1 contour, 2 mountain, 3 valley or 0 auxiliary";
+            let wrong = |_| wrong(value, expected, quoted(text));
+            kind = text.parse().map_err(wrong)?;
+        } else if let Some(index) = ["x0", "y0", "x1", "y1"].iter().position(|at| *at == name) {
+            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+            ends[index] = number.ok_or_else(|| wrong(value, "a number", quoted(text)))?;
+        }
+    }
+    Ok((kind, ends))
+}
+
+/// Makes the error that something else was expected at a node.
+fn wrong(node: Node<'_, '_>, expected: &str, found: String) -> Wrong {
+    let line = node.document().text_pos_at(node.range().start).row;
+    (format!("line {line}"), expected.into(), found)
 }
 
 /// Returns `true` if objects of this class are lines of the drawing.

@@ -24,9 +24,10 @@ use super::options::Straighten;
 use super::{FileError, ReadOptions, stem};
 use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, LostLines, PatternError, rounded};
 use crate::progress::Watch;
+use crate::util::nan_max::bounding_box;
 
 /// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
-pub(super) const MOST: usize = 1 << 22;
+pub(super) const MAX_LINES: usize = 1 << 22;
 
 /// A straight line as drawn.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +78,7 @@ pub(super) fn pattern_file(
         y_down,
         notes,
     } = lines;
-    let kept = (segments.len() <= SEARCHED).then(|| segments.clone());
+    let kept = (segments.len() <= MAX_SEARCHED_LINES).then(|| segments.clone());
     let reader = Reader {
         path,
         rounding,
@@ -135,7 +136,7 @@ pub(super) fn pattern_file(
 }
 
 /// Largest number of lines of a drawing for which a tolerance is looked for that keeps lines which end in the open.
-const SEARCHED: usize = 1 << 17;
+const MAX_SEARCHED_LINES: usize = 1 << 17;
 
 /// Farthest move in a drawing that is drawn well, as a fraction of the tolerance: a ten-thousandth of the median line, as
 /// the rounding of coordinates makes it. Most plans allow for it.
@@ -145,8 +146,8 @@ const ROUNDING_RATIO: f64 = 0.1;
 const NO_LENGTH_RATIO: f64 = 1e-6;
 
 /// Largest number of doublings of the tolerance in this search, and of steps in all. Drawings of many lines get fewer.
-const DOUBLINGS: usize = 8;
-const STEPS: usize = 10;
+const MAX_DOUBLINGS: usize = 8;
+const MAX_SEARCH_STEPS: usize = 10;
 
 /// Makes sheets of the lines of one drawing.
 struct Reader<'a> {
@@ -183,8 +184,9 @@ impl Reader<'_> {
         let drawn = segments.len();
         let too_many = || {
             let found = "more (are lines hatched or drawn many times over?)".into();
-            let most =
-                format!("at most {MOST} lines and crossings, and not too many near each other");
+            let most = format!(
+                "at most {MAX_LINES} lines and crossings, and not too many near each other"
+            );
             expected(most, found)
         };
         let planar = planar(segments, self.rounding, tolerance, self.watch);
@@ -271,11 +273,11 @@ impl Reader<'_> {
         };
         // Lines that cross many others take longer.
         let pieces = found.pattern.edges().len().max(segments.len());
-        let steps = STEPS.min(SEARCHED / pieces.max(1));
+        let steps = MAX_SEARCH_STEPS.min(MAX_SEARCHED_LINES / pieces.max(1));
         let (mut low, mut high): (f64, Option<f64>) = (found.repairs.tolerance, None);
         for step in 0..steps {
             let next = match high {
-                None if step >= DOUBLINGS => break,
+                None if step >= MAX_DOUBLINGS => break,
                 None => two_digits(2.0 * low),
                 Some(high) => two_digits((low * high).sqrt()),
             };
@@ -304,12 +306,9 @@ impl Reader<'_> {
         CreasePattern::watched(drawing, self.watch).map_err(|source| {
             if let PatternError::DeadEnd { edge, .. } | PatternError::OneFace { edge } = source {
                 let [from, to] = edges[edge].map(|end| written(vertices[end]));
-                return FileError::Expected {
-                    path: path.to_path_buf(),
-                    place: format!("the line from {from} to {to}"),
-                    expected: "different faces on its sides".into(),
-                    found: "one face all round what it leads to".into(),
-                };
+                let place = format!("the line from {from} to {to}");
+                let found = "one face all round what it leads to";
+                return FileError::expected(path, place, "different faces on its sides", found);
             }
             let frame = match place(&source, &edges).and_then(|vertex| vertices.get(vertex)) {
                 Some(at) => format!("near {}, once repaired: ", written(*at)),
@@ -343,11 +342,11 @@ fn without_islands(
     let mut corners = vec![None; pattern.sheets()];
     let mut faces = Vec::new();
     for (face, &sheet) in pattern.faces().iter().zip(pattern.sheet_of_faces()) {
-        let polygon = || face.iter().map(|vertex| points[vertex.index()]);
         corners[sheet as usize].get_or_insert(points[face[0].index()]);
-        let [low, high] = polygon().fold([points[face[0].index()]; 2], |[low, high], p| {
-            [low.inf(&p), high.sup(&p)]
-        });
+        let Some((low, high)) = bounding_box(face.iter().map(|vertex| points[vertex.index()]))
+        else {
+            continue;
+        };
         faces.push((low, high, sheet as usize, face));
     }
     let corners = corners.into_iter().enumerate();

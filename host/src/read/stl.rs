@@ -4,15 +4,16 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::error::quoted;
 use super::{FileError, ShapeFile, merge, stem};
 use crate::pattern::LARGEST;
 use crate::unfold::FoldedShape;
 
 /// Bytes before the number of triangles in a binary file.
-const HEADER: usize = 80;
+const HEADER_BYTES: usize = 80;
 
 /// Bytes of a triangle in a binary file: normal, three corners, attributes.
-const TRIANGLE: usize = 50;
+const TRIANGLE_BYTES: usize = 50;
 
 /// Parses a folded shape. Triangles are joined at corners that are at the same place; their normals are ignored.
 ///
@@ -24,8 +25,7 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
         None => match core::str::from_utf8(bytes) {
             Ok(text) if text.trim_start().starts_with("solid") => {
                 ascii(text).map_err(|(line, what, found)| {
-                    let found = found.chars().take(40).collect::<String>();
-                    FileError::expected(path, format!("line {line}"), what, format!("\"{found}\""))
+                    FileError::expected(path, format!("line {line}"), what, quoted(found))
                 })?
             }
             _ => {
@@ -62,9 +62,9 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
 
 /// Returns the triangles of a binary file, or `None` if the length of the file does not agree with their number.
 pub(super) fn triangles(bytes: &[u8]) -> Option<&[u8]> {
-    let (count, triangles) = bytes.get(HEADER..)?.split_first_chunk()?;
+    let (count, triangles) = bytes.get(HEADER_BYTES..)?.split_first_chunk()?;
     let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;
-    (triangles.len() == count.checked_mul(TRIANGLE)?).then_some(triangles)
+    (triangles.len() == count.checked_mul(TRIANGLE_BYTES)?).then_some(triangles)
 }
 
 /// Returns the corners of a binary file, or `None` if it is none.
@@ -75,7 +75,7 @@ fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     };
     let corner = |bytes: &[u8]| Vector3::from_iterator(bytes.chunks_exact(4).map(number));
     let corners = triangles(bytes)?
-        .chunks_exact(TRIANGLE)
+        .chunks_exact(TRIANGLE_BYTES)
         .flat_map(|triangle| triangle[12..48].chunks_exact(12).map(corner));
     Some(corners.collect())
 }

@@ -10,7 +10,8 @@
 //! the simulator. Coordinates have the seven digits of single precision, in which usvg resolves shapes; drawing
 //! programs write as many.
 
-mod effort;
+mod colour;
+mod limits;
 mod numbers;
 
 use core::f64::consts::PI;
@@ -21,17 +22,17 @@ use nalgebra::Vector2;
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
+use self::colour::Kind;
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
-use super::segments::{LooseLines, MOST, Segment, pattern_file};
+use super::segments::{LooseLines, MAX_LINES, Segment, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::colours::hex;
-use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
 /// Largest number of nodes of the document, as a file may consist of nothing else.
-const NODES: u32 = 1 << 21;
+const MAX_NODES: u32 = 1 << 21;
 
 /// Parses a crease pattern from the text of a file.
 ///
@@ -43,44 +44,20 @@ pub(super) fn parse_pattern(
     options: &ReadOptions,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let told = |(place, expected, found)| FileError::expected(path, place, expected, found);
-    let (tree, mut notes) = check_text(text).and_then(|()| tree(text)).map_err(told)?;
-    let strokes = strokes(tree.root(), &options.colours).map_err(told)?;
-
-    for chosen in options.colours.iter() {
-        let is_it = |stroke: &Stroke| match stroke.kind {
-            Kind::Chosen(_) => stroke.colour == hex(chosen.colour),
-            Kind::NearChosen(colour, _) => colour == chosen.colour,
-            _ => false,
-        };
-        if !strokes.iter().any(is_it) {
-            notes.push(format!(
-                "the colour {} was given the letter {}, but no line has it",
-                chosen.name,
-                chosen.letter.code()
-            ));
-        }
-    }
-    let mut colours: BTreeMap<String, (Kind, usize)> = BTreeMap::new();
-    // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
-    let says = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
-    let angles = strokes.iter().any(|s| says(s) && s.opacity < 1.0)
-        && strokes.iter().any(|s| says(s) && s.opacity > 0.0);
-    let mut segments = Vec::new();
-    for stroke in &strokes {
-        let letter = stroke.kind.letter();
-        let (_, count) = colours
-            .entry(stroke.colour.clone())
-            .or_insert((stroke.kind, 0));
-        *count += stroke.lines.ends.len();
-        let goal = (angles && says(stroke)).then(|| letter.sign() * stroke.opacity * PI);
-        segments.extend(
-            stroke
-                .lines
-                .ends
-                .iter()
-                .map(|&ends| Segment { ends, letter, goal }),
-        );
+    let wrong = FileError::wrong(path);
+    let (tree, mut notes) = check_text(text).and_then(|()| tree(text)).map_err(&wrong)?;
+    let strokes = strokes(tree.root(), &options.colours).map_err(&wrong)?;
+    notes.extend(colours_without_lines(&strokes, &options.colours));
+    let mut colours: BTreeMap<&str, (Kind, usize)> = BTreeMap::new();
+    for Stroke {
+        colour,
+        kind,
+        lines,
+        ..
+    } in &strokes
+    {
+        let (_, count) = colours.entry(colour).or_insert((*kind, 0));
+        *count += lines.ends.len();
     }
     let straightened: usize = strokes.iter().map(|stroke| stroke.lines.straightened).sum();
     if straightened > 0 {
@@ -88,39 +65,25 @@ pub(super) fn parse_pattern(
             "curves that run straight taken as lines: {straightened}"
         ));
     }
-    for (colour, (kind, count)) in colours {
-        match kind {
-            // Noted, because other programs use green for other purposes than cuts.
-            Kind::Exact(Letter::Cut) => {
-                notes.push(format!("lines of colour {colour} (green) taken as cuts (C): {count}"));
-            }
-            Kind::Exact(_) => {}
-            Kind::Chosen(letter) => notes.push(format!(
-                "lines of colour {colour} taken as {}, the letter that the colour was given: {count}",
-                letter.code()
-            )),
-            Kind::NearChosen(chosen, letter) => notes.push(format!(
-                "lines of colour {colour} taken as {} ({}), the nearest of the colours that were given \
-                 letters: {count}",
-                hex(chosen),
-                letter.code()
-            )),
-            Kind::Near(name, letter) => notes.push(format!(
-                "lines of colour {colour} taken as {name} ({}), the nearest hue: {count}",
-                letter.code()
-            )),
-            Kind::Unknown => notes.push(format!(
-                "lines of colour {colour}, which is none of red, blue, black, green, yellow and magenta, \
-                 taken as U: {count}"
-            )),
-        }
-    }
-    if angles {
+    let colours = colours.into_iter();
+    notes.extend(colours.filter_map(|(colour, (kind, count))| kind.note(colour, count)));
+    // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
+    let is_folded = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
+    let has_angles = strokes.iter().any(|s| is_folded(s) && s.opacity < 1.0)
+        && strokes.iter().any(|s| is_folded(s) && s.opacity > 0.0);
+    if has_angles {
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
+    let segments = strokes.iter().flat_map(|stroke| {
+        let letter = stroke.kind.letter();
+        let is_angle = has_angles && is_folded(stroke);
+        let goal = is_angle.then(|| letter.sign() * stroke.opacity * PI);
+        let ends = stroke.lines.ends.iter();
+        ends.map(move |&ends| Segment { ends, letter, goal })
+    });
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
     let lines = LooseLines {
-        segments,
+        segments: segments.collect(),
         rounding: rounding.fold(0.0, f64::max),
         y_down: true,
         notes,
@@ -128,10 +91,27 @@ pub(super) fn parse_pattern(
     pattern_file(path, lines, options, watch)
 }
 
+/// Notes the colours that were given letters although no line has them.
+fn colours_without_lines(strokes: &[Stroke], chosen: &ColourLetters) -> Vec<String> {
+    let is_drawn = |chosen: &&ColourLetter| {
+        strokes.iter().any(|stroke| match stroke.kind {
+            Kind::Chosen(_) => stroke.colour == hex(chosen.colour),
+            Kind::NearChosen(colour, _) => colour == chosen.colour,
+            _ => false,
+        })
+    };
+    let unused = chosen.iter().filter(|chosen| !is_drawn(chosen));
+    let notes = unused.map(|ColourLetter { name, letter, .. }| {
+        let code = letter.code();
+        format!("the colour {name} was given the letter {code}, but no line has it")
+    });
+    notes.collect()
+}
+
 /// Checks that the text of an XML file asks for a bounded amount of work.
 pub(super) fn check_text(text: &str) -> Result<(), Wrong> {
     let wrong = |found| ("the drawing".into(), "less of it".into(), found);
-    effort::of_text(text).map_err(wrong)
+    limits::of_text(text).map_err(wrong)
 }
 
 /// Style sheet that spares usvg needless work: only the course of strokes is read.
@@ -144,7 +124,7 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     let options = roxmltree::ParsingOptions {
         // Illustrator writes a DTD.
         allow_dtd: true,
-        nodes_limit: NODES,
+        nodes_limit: MAX_NODES,
         ..Default::default()
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
@@ -160,7 +140,7 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
         return Err(no_drawing(place(root), found));
     }
     numbers::check(&document)?;
-    effort::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
+    limits::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
     let options = Options {
         // No other file is opened.
         image_href_resolver: ImageHrefResolver {
@@ -191,105 +171,6 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     let said = said.into_iter().filter(|(_, count)| *count > 0);
     let notes = said.map(|(what, count)| format!("{what}: {count}"));
     Ok((tree, notes.collect()))
-}
-
-/// Interpretation of a colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    /// Exactly one of the simulator's colours.
-    Exact(Letter),
-    /// Near the colour of that name.
-    Near(&'static str, Letter),
-    /// Near none of the simulator's colours.
-    Unknown,
-    /// A colour that the caller gave a letter.
-    Chosen(Letter),
-    /// A colour with the hue of this one, which the caller gave a letter.
-    NearChosen([u8; 3], Letter),
-}
-
-/// Index of black among the hues.
-const BLACK: usize = 6;
-
-/// Returns the nearest of the six full hues, which are 60 degrees apart, from red: a number below 6. Returns [`BLACK`]
-/// for a colour without a channel above 64, and `None` for a colour with less than half of full brightness or half of
-/// full saturation.
-fn hue([red, green, blue]: [u8; 3]) -> Option<usize> {
-    let most = red.max(green).max(blue);
-    let chroma = most - red.min(green).min(blue);
-    if most <= 64 {
-        return Some(BLACK);
-    }
-    if most < 128 || chroma < most.div_ceil(2) {
-        return None;
-    }
-    let [red, green, blue, full] = [red, green, blue, chroma].map(f64::from);
-    // Hue in sixths of a turn from red.
-    let hue = if red >= green && red >= blue {
-        (green - blue) / full
-    } else if green >= blue {
-        2.0 + (blue - red) / full
-    } else {
-        4.0 + (red - green) / full
-    };
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to 6"
-    )]
-    let nearest = (hue + 6.5) as usize % 6;
-    Some(nearest)
-}
-
-impl Kind {
-    fn letter(self) -> Letter {
-        match self {
-            Self::Exact(letter)
-            | Self::Near(_, letter)
-            | Self::Chosen(letter)
-            | Self::NearChosen(_, letter) => letter,
-            Self::Unknown => Letter::Unassigned,
-        }
-    }
-
-    /// Classifies a colour (0 to 255 for each channel). A colour that was given a letter has it. A colour whose hue is
-    /// that of colours that were given letters counts as the nearest of them. Every other colour counts as the nearest of
-    /// the simulator's colours; if it has no clear hue, or the hue of cyan, it is unknown.
-    fn of(colour: [u8; 3], chosen: &ColourLetters) -> Self {
-        if let Some(it) = chosen.iter().find(|it| it.colour == colour) {
-            return Self::Chosen(it.letter);
-        }
-        let Some(nearest) = hue(colour) else {
-            return Self::Unknown;
-        };
-        let far = |it: &ColourLetter| -> u32 {
-            let channels = it.colour.iter().zip(colour);
-            channels.map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
-        };
-        let alike = chosen.iter().filter(|it| hue(it.colour) == Some(nearest));
-        if let Some(it) = alike.min_by_key(|it| far(it)) {
-            return Self::NearChosen(it.colour, it.letter);
-        }
-        // In the order of the hues.
-        let (name, letter) = match nearest {
-            0 => ("red", Letter::Mountain),
-            1 => ("yellow", Letter::Flat),
-            2 => ("green", Letter::Cut),
-            4 => ("blue", Letter::Valley),
-            5 => ("magenta", Letter::Unassigned),
-            BLACK => ("black", Letter::Boundary),
-            _ => return Self::Unknown,
-        };
-        let full = match nearest {
-            BLACK => colour == [0; 3],
-            _ => colour.iter().all(|channel| [0, 255].contains(channel)),
-        };
-        if full {
-            Self::Exact(letter)
-        } else {
-            Self::Near(name, letter)
-        }
-    }
 }
 
 /// The lines of one stroked path.
@@ -347,8 +228,8 @@ fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
                     return Err((place(), "straight lines alone".into(), "a curve".into()));
                 };
                 total += lines.ends.len();
-                if total > MOST {
-                    return Err((place(), format!("at most {MOST} lines"), "more".into()));
+                if total > MAX_LINES {
+                    return Err((place(), format!("at most {MAX_LINES} lines"), "more".into()));
                 }
                 strokes.push(Stroke {
                     kind,

@@ -13,7 +13,7 @@ use super::link::{Link, Nothing, send};
 use super::session::MAX_BYTES;
 
 /// Time for a message that tells of a hinge, microseconds. A controller tells every 20 ms, and less often on a slow line.
-const PATIENCE: u64 = 500_000;
+const PATIENCE_US: u64 = 500_000;
 
 /// Angles of the hinge that is watched or moved, radians, with the sign of the hinge itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -192,7 +192,7 @@ impl<L: Link> Bench<L> {
         loop {
             self.round()?;
             let (seen, told) = self.seen.unwrap_or_default();
-            if told > begun || self.link.now() > begun + PATIENCE {
+            if told > begun || self.link.now() > begun + PATIENCE_US {
                 return Ok(seen);
             }
         }
@@ -255,7 +255,7 @@ impl<L: Link> Bench<L> {
             }
             // Told again and again, and always of the same angle; or not told at all.
             let now = self.link.now();
-            if told > since + PATIENCE || now > told.max(since) + 4 * PATIENCE {
+            if told > since + PATIENCE_US || now > told.max(since) + 4 * PATIENCE_US {
                 return Ok(Jogged::Ended(seen));
             }
         }

@@ -32,11 +32,8 @@ impl Channels {
         let mut headed = false;
         for (number, text) in (1..).zip(text.lines()) {
             let content = text.split('#').next().unwrap_or_default().trim();
-            let wrong = |flaw: Flaw| FileError::Expected {
-                path: file.to_path_buf(),
-                place: format!("line {number}"),
-                expected: flaw.to_string(),
-                found: content.into(),
+            let wrong = |flaw: Flaw| {
+                FileError::expected(file, format!("line {number}"), flaw.to_string(), content)
             };
             let entry = if content.is_empty() {
                 None

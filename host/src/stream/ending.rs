@@ -35,7 +35,7 @@ pub enum Ending {
         stopped: bool,
     },
     /// The sheet stands at this knot, which is not on the path.
-    Astray(u32),
+    OffPath(u32),
     /// The controller has refused an item.
     Refused {
         /// The reason of the refusal.
@@ -73,7 +73,7 @@ impl fmt::Display for Ending {
                 f,
                 "{reason}. The stop line holds the motion as well and has to be let go"
             ),
-            Self::Astray(knot) => {
+            Self::OffPath(knot) => {
                 write!(f, "the sheet stands at knot {knot}, not on this path")
             }
             Self::Refused { item, knot, room } => match item {

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::Link;
 
 /// Largest delay of an overtaken frame, microseconds.
-const LATE: u64 = 5000;
+const MAX_DELAY_US: u64 = 5000;
 
 /// A link on which frames get lost, changed, doubled and overtaken, both ways.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ impl<L: Link> Faulty<L> {
     #[must_use]
     pub fn new(link: L, faults: Faults, seed: u64) -> Self {
         let faults = Faults {
-            late: LATE,
+            late: MAX_DELAY_US,
             ..faults
         };
         let rng = |way| Pcg64::new(u128::from(seed), way);

@@ -19,6 +19,7 @@ mod plant;
 mod script;
 mod session;
 mod sim;
+mod telemetry;
 
 pub use bench::{Bench, BenchError, Jogged, Seen, Way};
 pub use channels::{Channel, Channels};
@@ -29,7 +30,6 @@ pub use pair::{Pairing, pair};
 pub use path::StreamPath;
 pub use plant::Plant;
 pub use script::parse_script;
-pub use session::{
-    Lag, Measured, Options, Outcome, Stands, Summary, Telemetry, Watcher, Wish, run,
-};
+pub use session::{Options, Outcome, Stands, Summary, Watcher, Wish, run};
 pub use sim::{Sim, SimDevice};
+pub use telemetry::{Lag, Measured, Telemetry};

@@ -11,9 +11,9 @@ use foldpath_core::wire::sender::{Failure, Options, Phase, Sender};
 use super::link::{Link, Nothing, send};
 
 /// Time for a session to open, microseconds.
-const PATIENCE: u64 = 2_000_000;
+const PATIENCE_US: u64 = 2_000_000;
 /// Number of attempts: the frame with the key may get lost.
-const ROUNDS: u32 = 3;
+const MAX_ATTEMPTS: u32 = 3;
 
 /// Outcome of [`pair`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Pairing {
 /// If the line breaks.
 pub fn pair(link: &mut impl Link, key: Key, nonce: u64) -> io::Result<Pairing> {
     let mut answers = false;
-    for round in 0..ROUNDS {
+    for round in 0..MAX_ATTEMPTS {
         let [mut plain, keyed] = [0, 1].map(|own| {
             let nonce = nonce.wrapping_add(u64::from(2 * round + own));
             let [a, b, c, d, upper @ ..] = nonce.to_le_bytes();
@@ -72,7 +72,7 @@ pub fn pair(link: &mut impl Link, key: Key, nonce: u64) -> io::Result<Pairing> {
 fn open(link: &mut impl Link, sender: &mut Sender) -> io::Result<bool> {
     let mut deframer = Deframer::<512>::default();
     let start = link.now();
-    while link.now() < start + PATIENCE && !matches!(sender.phase(), Phase::Failed(_)) {
+    while link.now() < start + PATIENCE_US && !matches!(sender.phase(), Phase::Failed(_)) {
         let (mut scratch, mut buffer) = ([0; 64], [0; 64]);
         if link.is_free()
             && let Some(frame) = sender.poll(link.now(), &Nothing, &mut scratch, &mut buffer)

@@ -6,28 +6,24 @@ use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
-use foldpath_core::{GroupLimits, Interpolation, Membership, Scalar, Spoke, StarsView};
+use foldpath_core::{GroupLimits, Membership, Scalar, Spoke, StarsView};
 
+use crate::export::traj::TrajectoryArrays;
 use crate::read::FileError;
 use crate::symmetry::largest_star_residual;
 
 /// Difference (radians) up to which two angles count as the same: the rounding of half a turn to `f32`, with room for that
 /// of the path from which the file was exported.
-const SAME_ANGLE: f32 = 1e-6;
+const SAME_ANGLE_RAD: f32 = 1e-6;
 
 /// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
 pub struct StreamPath {
-    interpolation: Interpolation,
-    times: Vec<f32>,
+    knots: TrajectoryArrays<f32>,
     /// Times of the knots of the reverse, in its order.
     reverse_times: Vec<f32>,
     /// `true` if the path is the reverse of that of the file.
     reversed: bool,
-    /// One row for each knot, as are the next two.
-    angles: Vec<f32>,
-    rates: Vec<f32>,
-    weights: Vec<[f32; 2]>,
     limits: Vec<GroupLimits>,
     hinges: Vec<Membership>,
     /// Spokes of the essential vertices, the same spokes in `f64`, and for each vertex the index behind its last spoke.
@@ -49,19 +45,13 @@ impl StreamPath {
         let groups = traj.groups();
         let places = (0..traj.len()).flat_map(|k| (0..groups).map(move |g| (k, g)));
         let nodes: Vec<_> = places.filter_map(|(k, g)| traj.node(k, g)).collect();
-        let weighted = traj.interpolation() == Interpolation::Homogeneous;
-        let weighted = nodes.iter().filter(|_| weighted);
         let ends = (1..).zip(traj.spokes()).filter(|(_, (_, last))| *last);
         let times: Vec<f32> = (0..traj.len()).filter_map(|k| traj.time(k)).collect();
         let end = times.last().copied().unwrap_or(0.0);
         let this = Self {
-            interpolation: traj.interpolation(),
             reverse_times: times.iter().rev().map(|time| end - time).collect(),
-            times,
+            knots: TrajectoryArrays::new(traj.interpolation(), groups, times, &nodes),
             reversed: false,
-            angles: nodes.iter().map(|node| node.angle).collect(),
-            rates: nodes.iter().map(|node| node.rate).collect(),
-            weights: weighted.map(|node| node.weight).collect(),
             limits: (0..groups).filter_map(|g| traj.limits(g)).collect(),
             hinges: traj.memberships().collect(),
             spokes: traj.spokes().map(|(spoke, _)| spoke).collect(),
@@ -70,19 +60,13 @@ impl StreamPath {
             closure: traj.closure(),
         };
         if this.items().is_none() {
-            return Err(FileError::Expected {
-                path: file.to_path_buf(),
-                place: "path".into(),
-                expected:
-                    "knots of 1 to 16384 crease groups, at most as many hinges and as many spokes"
-                        .into(),
-                found: format!(
-                    "{} knots of {groups} groups, {} hinges, {} spokes",
-                    this.times.len(),
-                    this.hinges.len(),
-                    this.spokes.len()
-                ),
-            });
+            let expected =
+                "knots of 1 to 16384 crease groups, at most as many hinges and as many spokes";
+            let [knots, hinges, spokes] =
+                [this.times().len(), this.hinges.len(), this.spokes.len()];
+            let found =
+                format!("{knots} knots of {groups} groups, {hinges} hinges, {spokes} spokes");
+            return Err(FileError::expected(file, "path", expected, found));
         }
         Ok(this)
     }
@@ -93,14 +77,17 @@ impl StreamPath {
     /// `None` if two times from the other end are rounded to the same number.
     #[must_use]
     pub fn reverse(&self) -> Option<Self> {
-        let groups = self.groups();
+        let (groups, knots) = (self.groups(), &self.knots);
         let this = Self {
-            times: self.reverse_times.clone(),
-            reverse_times: self.times.clone(),
+            knots: TrajectoryArrays {
+                times: self.reverse_times.clone(),
+                angles: reversed_rows(&knots.angles, groups, |angle| angle),
+                rates: reversed_rows(&knots.rates, groups, |rate| -rate),
+                weights: reversed_rows(&knots.weights, groups, |[weight, rate]| [weight, -rate]),
+                ..*knots
+            },
+            reverse_times: knots.times.clone(),
             reversed: !self.reversed,
-            angles: reversed_rows(&self.angles, groups, |angle| angle),
-            rates: reversed_rows(&self.rates, groups, |rate| -rate),
-            weights: reversed_rows(&self.weights, groups, |[weight, rate]| [weight, -rate]),
             ..self.clone()
         };
         this.items().is_some().then_some(this)
@@ -115,17 +102,17 @@ impl StreamPath {
     /// Returns `true` if the path begins flat: with all angles at 0, but for rounding.
     #[must_use]
     pub fn begins_flat(&self) -> bool {
-        let begin = self.angles.iter().take(self.groups());
-        begin.into_iter().all(|angle| angle.abs() <= SAME_ANGLE)
+        let begin = self.knots.angles.iter().take(self.groups());
+        begin.into_iter().all(|angle| angle.abs() <= SAME_ANGLE_RAD)
     }
 
     /// Returns `true` if the path begins at the goal, but for rounding: at the last knot of the path of the file.
     #[must_use]
     pub fn begins_at_goal(&self) -> bool {
-        let (groups, angles) = (self.groups(), &self.angles);
+        let (groups, angles) = (self.groups(), &self.knots.angles);
         let begin = angles.iter().take(groups);
         let goal = angles.iter().skip(angles.len().saturating_sub(groups));
-        let same = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME_ANGLE;
+        let same = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME_ANGLE_RAD;
         self.reversed || begin.zip(goal).all(same)
     }
 
@@ -138,7 +125,7 @@ impl StreamPath {
     /// Returns the times of the knots, seconds.
     #[must_use]
     pub fn times(&self) -> &[f32] {
-        &self.times
+        &self.knots.times
     }
 
     /// Returns the group and sign of each hinge.
@@ -178,15 +165,7 @@ impl StreamPath {
     /// Returns the path as a trajectory of core.
     #[must_use]
     pub fn view(&self) -> Option<TrajectoryView<'_, f32>> {
-        TrajectoryView::new(
-            self.interpolation,
-            self.groups(),
-            &self.times,
-            &self.angles,
-            &self.rates,
-            &self.weights,
-        )
-        .ok()
+        self.knots.view().ok()
     }
 
     /// Returns the path as the sequence of items to send, from its start.

@@ -60,15 +60,11 @@ impl Plant {
     ) -> Result<Self, FileError> {
         let hinges = memberships(&sheet, file)?;
         if hinges != path.hinges() {
-            return Err(FileError::Expected {
-                path: file.to_path_buf(),
-                place: "foldpath:edges_group".into(),
-                expected: format!(
-                    "the {} hinges of the path that is sent",
-                    path.hinges().len()
-                ),
-                found: format!("{} hinges, or other groups of them", hinges.len()),
-            });
+            let place = "foldpath:edges_group";
+            let sent = path.hinges().len();
+            let expected = format!("the {sent} hinges of the path that is sent");
+            let found = format!("{} hinges, or other groups of them", hinges.len());
+            return Err(FileError::expected(file, place, expected, found));
         }
         let sheet = FoldedSheet {
             map: FoldingMap::flat(&sheet.pattern),

@@ -2,17 +2,18 @@
 
 use std::io;
 
-use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
+use foldpath_core::follower::{Denial, Reason, State};
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::ToHost;
 use foldpath_core::wire::sender::{self, Phase};
 
 use super::link::{Link, send};
+use super::telemetry::{Lag, Measured, Telemetry};
 use super::{Ending, StreamPath};
 
 /// Time in microseconds within which a controller has to report that the stop line is drawn.
-const PATIENCE: u64 = 1_000_000;
+const PATIENCE_US: u64 = 1_000_000;
 
 /// Decodes numbers of 4 bytes each.
 fn numbers(bytes: &[u8]) -> Vec<f32> {
@@ -57,61 +58,6 @@ pub struct Options {
 }
 
 crate::util::changed_one_by_one!(Options);
-
-/// Commanded state at a moment, as the controller reported it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Telemetry {
-    /// Microseconds on the controller's clock.
-    pub time: u64,
-    /// State of the follower.
-    pub state: State,
-    /// Rate of the path clock: seconds of the path in a second.
-    pub rate: f32,
-    /// Position on the path.
-    pub place: FollowerPosition<f32>,
-    /// Commanded angle of each group, radians.
-    pub angles: Vec<f32>,
-    /// Measured angles of some hinges at that moment. Those of all hinges come round and round.
-    pub measured: Measured,
-    /// Hinge among them that was farthest from its command.
-    pub lag: Option<Lag>,
-    /// Number of items that were sent again until then.
-    pub retransmitted: u64,
-    /// Smoothed time of a round trip on the line, microseconds.
-    pub round_trip: Option<u64>,
-}
-
-/// Measured angles of hinges.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// Number of the first hinge.
-    pub first: usize,
-    /// Angle of each hinge, radians, with the sign of the hinge itself; NaN if it was not measured.
-    pub angles: Vec<f32>,
-}
-
-/// Distance of a hinge from its command of the same moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lag {
-    /// Number of the hinge.
-    pub hinge: usize,
-    /// Distance, radians.
-    pub angle: f32,
-}
-
-impl Telemetry {
-    /// Returns the hinge that was measured farthest from its command, if one was measured.
-    fn worst_lag(&self, path: &StreamPath) -> Option<Lag> {
-        let hinges = path.hinges().iter().enumerate().skip(self.measured.first);
-        let lags = hinges.zip(&self.measured.angles);
-        let lags = lags.filter_map(|((hinge, membership), measured)| {
-            let commanded = membership.apply(*self.angles.get(membership.group.index())?);
-            let angle = (measured - commanded).abs();
-            (!angle.is_nan()).then_some(Lag { hinge, angle })
-        });
-        lags.reduce(|a, b| if b.angle > a.angle { b } else { a })
-    }
-}
 
 /// Request of the watcher.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -205,33 +151,10 @@ pub fn run(
     options: Options,
     watcher: &mut impl Watcher,
 ) -> io::Result<Summary> {
-    let Some(items) = path.items() else {
-        return Err(io::ErrorKind::InvalidInput.into());
-    };
-    let persistence = if options.resume {
-        Persistence::Resume
-    } else {
-        Persistence::None
-    };
-    let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
-    match options.stands {
-        Stands::Known => {}
-        Stands::AtStart => driver = driver.confirming(),
-        Stands::Measured => driver = driver.measuring(),
-    }
-    if options.unattended {
-        driver = driver.unattended();
-    }
     // Only a host that goes on may stand on the reverse.
     let reverse = options.resume.then(|| path.reverse()).flatten();
-    if let Some(items) = reverse.as_ref().and_then(StreamPath::items) {
-        driver = driver.turning(items);
-    }
-    if let Some(key) = options.key {
-        driver = driver.with_key(key, options.nonce);
-    }
     let mut session = Session {
-        driver,
+        driver: driver(path, reverse.as_ref(), options)?,
         path,
         resume: options.resume,
         wish: Wish::Run,
@@ -247,26 +170,7 @@ pub fn run(
     let start = link.now();
     let mut failed = None;
     let end = loop {
-        let wish = match (&failed, watcher.wish()) {
-            (Some(_), Wish::Run) => Wish::Stop,
-            (_, wish) => wish,
-        };
-        let looked = session.look(wish, link);
-        let mut broken = looked.err();
-        let mut left = MAX_BYTES;
-        while broken.is_none()
-            && let Some(heard) = session.hear(link, &mut left)
-        {
-            match heard {
-                Ok(_) if failed.is_some() => {}
-                Ok(telemetry) => failed = watcher.telemetry(&telemetry).err(),
-                Err(error) => broken = Some(error),
-            }
-        }
-        // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
-        // controller.
-        broken = broken.or_else(|| session.exchange(link).err());
-        if let Some(error) = broken {
+        if let Err(error) = session.round(link, watcher, &mut failed) {
             let what = format!("the line: {error}");
             break (Outcome::NoDevice, Some(Ending::Line(what)));
         }
@@ -281,6 +185,36 @@ pub fn run(
         Some(error) => Err(error),
         None => Ok(session.summary(end, link.now() - start)),
     }
+}
+
+/// Makes the driver of a session, which may also stand on the `reverse` of the path.
+fn driver<'a>(
+    path: &'a StreamPath,
+    reverse: Option<&'a StreamPath>,
+    options: Options,
+) -> io::Result<Driver<'a>> {
+    let items = path.items().ok_or(io::ErrorKind::InvalidInput)?;
+    let persistence = if options.resume {
+        Persistence::Resume
+    } else {
+        Persistence::None
+    };
+    let mut driver = Driver::new(items, persistence, options.id, sender::Options::default());
+    match options.stands {
+        Stands::Known => {}
+        Stands::AtStart => driver = driver.confirming(),
+        Stands::Measured => driver = driver.measuring(),
+    }
+    if options.unattended {
+        driver = driver.unattended();
+    }
+    if let Some(items) = reverse.and_then(StreamPath::items) {
+        driver = driver.turning(items);
+    }
+    if let Some(key) = options.key {
+        driver = driver.with_key(key, options.nonce);
+    }
+    Ok(driver)
 }
 
 struct Session<'a> {
@@ -305,6 +239,31 @@ struct Session<'a> {
 }
 
 impl Session<'_> {
+    /// Asks the watcher, reads what has arrived, and sends what is due. An error of the watcher goes to `failed`, after
+    /// which the motion is stopped and the watcher gets no more telemetry.
+    fn round(
+        &mut self,
+        link: &mut impl Link,
+        watcher: &mut impl Watcher,
+        failed: &mut Option<io::Error>,
+    ) -> io::Result<()> {
+        let wish = match (&failed, watcher.wish()) {
+            (Some(_), Wish::Run) => Wish::Stop,
+            (_, wish) => wish,
+        };
+        self.look(wish, link)?;
+        let mut left = MAX_BYTES;
+        while let Some(heard) = self.hear(link, &mut left) {
+            let telemetry = heard?;
+            if failed.is_none() {
+                *failed = watcher.telemetry(&telemetry).err();
+            }
+        }
+        // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
+        // controller.
+        self.exchange(link)
+    }
+
     fn look(&mut self, wish: Wish, link: &mut impl Link) -> io::Result<()> {
         if wish != Wish::Run && self.wish == Wish::Run {
             self.driver.stop();
@@ -421,7 +380,7 @@ impl Session<'_> {
             let reason = match drawn {
                 None => Ending::Left,
                 Some(_) if stands => Ending::Quit { reported: true },
-                Some(drawn) if now > drawn + PATIENCE => Ending::Quit { reported: false },
+                Some(drawn) if now > drawn + PATIENCE_US => Ending::Quit { reported: false },
                 Some(_) => return None,
             };
             return Some((Outcome::Stopped, Some(reason)));
@@ -457,8 +416,8 @@ impl Session<'_> {
         if !rests {
             return None;
         }
-        if let Some(place) = self.driver.astray() {
-            return Some((Outcome::Held, Ending::Astray(place.knot)));
+        if let Some(place) = self.driver.off_path() {
+            return Some((Outcome::Held, Ending::OffPath(place.knot)));
         }
         if let Some(item) = report.refused {
             let (knot, room) = (self.knot(), sender.capacity().unwrap_or_default());
@@ -484,7 +443,7 @@ impl Session<'_> {
             // The controller may need a while to measure all hinges.
             Denial::Unknown(_) | Denial::Spread(_) => {
                 let since = *self.unknown.get_or_insert(now);
-                (now > since + PATIENCE).then_some((Outcome::Held, Ending::Denied(why)))
+                (now > since + PATIENCE_US).then_some((Outcome::Held, Ending::Denied(why)))
             }
             _ => None,
         }

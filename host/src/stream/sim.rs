@@ -14,10 +14,10 @@ use super::{Link, Plant};
 
 /// The controller with room for 256 groups, for as many hinges as the protocol counts, for the spokes of a thousand
 /// vertices of degree 4, and for 64 setpoints.
-pub type SimDevice = Controller<256, HINGES, 4096, 64, Keyed>;
+pub type SimDevice = Controller<256, MAX_HINGES, 4096, 64, Keyed>;
 
 /// Number of hinges for which the controller has room.
-const HINGES: usize = 16_384;
+const MAX_HINGES: usize = 16_384;
 
 /// Limits of every simulated hinge: half a turn each way, and a speed that no drive has.
 const LIMITS: GroupLimits = GroupLimits {
@@ -28,10 +28,10 @@ const LIMITS: GroupLimits = GroupLimits {
 };
 
 /// Length of a step, microseconds. Four steps are a tick of the controller.
-const STEP: u64 = 250;
+const STEP_US: u64 = 250;
 
 /// Time between two measurements of the sheet, microseconds.
-const LOOK: u64 = 20_000;
+const LOOK_US: u64 = 20_000;
 
 /// A controller behind a serial line of 1 Mbaud with a delay of a millisecond, or behind [another](Self::with_line). Without a
 /// plant its hinges are exactly at the commanded angles, and before the first command they are where the first path begins.
@@ -97,7 +97,7 @@ impl Sim {
     #[must_use]
     pub fn bench() -> Self {
         Self {
-            hinges: vec![0.0; HINGES],
+            hinges: vec![0.0; MAX_HINGES],
             ..Self::new()
         }
     }
@@ -163,7 +163,7 @@ impl Link for Sim {
     }
 
     fn wait(&mut self) -> io::Result<()> {
-        self.now += STEP;
+        self.now += STEP_US;
         while let Some(byte) = self.up.read(self.now) {
             self.device.byte(byte, self.now);
             // There is no memory to store a key in: the controller is gone at the end of the process.
@@ -171,7 +171,7 @@ impl Link for Sim {
                 self.device.pair(key);
             }
         }
-        if self.now.is_multiple_of(4 * STEP) {
+        if self.now.is_multiple_of(4 * STEP_US) {
             self.device.tick(self.now);
             let waits = self.device.follower().state() == State::Ready;
             if self.plant.is_none() && waits && !self.device.follower().is_known() {
@@ -180,7 +180,7 @@ impl Link for Sim {
             }
             if let Some(plant) = &mut self.plant {
                 plant.turn(self.now, &mut self.device);
-                if self.now.is_multiple_of(LOOK) {
+                if self.now.is_multiple_of(LOOK_US) {
                     plant.look();
                 }
             }

@@ -9,7 +9,7 @@ use crate::pattern::Letter;
 
 /// On a shape without noise: angle (radians) below which an edge counts as flat, and distance from half a turn within
 /// which the sign of an angle cannot be measured. Well above rounding errors, well below the angles of driven hinges.
-const LEAST: f64 = 1e-7;
+const ROUNDING_RAD: f64 = 1e-7;
 
 /// Bounds on the errors of measured angles.
 struct Noise {
@@ -26,8 +26,8 @@ impl Noise {
     fn of(surface: &Surface, max_defect: f64) -> Self {
         let defect = surface.noise(max_defect);
         Self {
-            zero: LEAST.max(4.0 * defect),
-            doubt: LEAST.max(4.0 * defect).max(2.0 * defect.sqrt()),
+            zero: ROUNDING_RAD.max(4.0 * defect),
+            doubt: ROUNDING_RAD.max(4.0 * defect).max(2.0 * defect.sqrt()),
         }
     }
 

@@ -14,13 +14,13 @@ use crate::util::union_find::UnionFind;
 
 /// Largest number of rounds of fitting faces to vertices and vertices to faces. Each round spreads the shape's noise
 /// over one more ring of faces.
-const ROUNDS: usize = 200;
+const MAX_ROUNDS: usize = 200;
 
 /// Largest movement that counts as none, as a fraction of the sheet's size.
-const STILL: f64 = 1e-15;
+const STILL_RATIO: f64 = 1e-15;
 
 /// Space between parts, as a fraction of the sheet's size.
-const SPACE: f64 = 0.1;
+const SPACE_RATIO: f64 = 0.1;
 
 /// Faces laid into the plane, and the edges that are whole.
 pub(super) struct Layout {
@@ -284,12 +284,12 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
 /// Moves corners of the same vertex to one place by alternating two fits: each vertex moves to the mean of its corners,
 /// then each face moves rigidly to fit its vertices best.
 fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
-    let still = STILL * diagonal(laid);
+    let still = STILL_RATIO * diagonal(laid);
     let mut counts = vec![0.0; points.len()];
     for &point in points {
         counts[point] += 1.0;
     }
-    for round in 0..=ROUNDS {
+    for round in 0..=MAX_ROUNDS {
         let mut sums = vec![Vector2::zeros(); points.len()];
         for (&point, place) in points.iter().zip(laid.iter()) {
             sums[point] += place;
@@ -300,7 +300,7 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
             moved = moved.max((mean - laid[corner]).norm());
             laid[corner] = mean;
         }
-        if moved <= still || round == ROUNDS {
+        if moved <= still || round == MAX_ROUNDS {
             return;
         }
         for face in 0..surface.faces.len() {
@@ -320,7 +320,7 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
     if surface.parts() < 2 {
         return;
     }
-    let space = SPACE * diagonal(laid);
+    let space = SPACE_RATIO * diagonal(laid);
     let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; surface.parts()];
     let part = |face: usize| surface.parts[face];
     for face in 0..surface.faces.len() {

@@ -7,7 +7,7 @@ use crate::pattern::{LARGEST, Letter};
 use crate::util::nan_max::{diagonal, largest};
 
 /// Smallest area of a face, as a fraction of its squared extent.
-const NO_AREA: f64 = 1e-12;
+const NO_AREA_RATIO: f64 = 1e-12;
 
 /// Data that a file names for an edge of a folded shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl FoldedShape {
         let twice_area: Vector3<f64> = corners.clone().map(|k| arm(k).cross(&arm(k + 1))).sum();
         let extent = largest(corners.clone().map(|k| arm(k).norm()));
         let area = twice_area.norm();
-        if area <= NO_AREA * extent * extent {
+        if area <= NO_AREA_RATIO * extent * extent {
             return Err(ShapeError::NoArea { face });
         }
         let normal = twice_area / area;

@@ -2,13 +2,13 @@
 
 pub(crate) mod angle;
 pub(crate) mod clock;
-pub mod csr;
 pub(crate) mod nan_max;
-pub mod parallel;
 pub mod progress;
 pub mod range;
 pub(crate) mod time_cached;
 pub(crate) mod union_find;
+
+pub use foldpath_linear::{csr, parallel};
 
 /// Gives options of type `T` a method that changes some of them: code in other packages cannot write such a struct out,
 /// because it may get more fields.

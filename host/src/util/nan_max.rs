@@ -1,4 +1,4 @@
-//! Maxima that never lose a NaN, and bounding boxes.
+//! Maxima that never lose a NaN, medians and bounding boxes.
 
 use nalgebra::SVector;
 
@@ -7,6 +7,13 @@ use nalgebra::SVector;
 pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let bits = numbers.into_iter().map(f64::to_bits);
     f64::from_bits(bits.fold(0, u64::max))
+}
+
+/// Returns the median of the numbers, the upper one of two; `None` for none.
+pub(crate) fn median(numbers: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.into_iter().collect();
+    let middle = numbers.len() / 2;
+    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Returns the diagonal of the bounding box of the points, 0 for none.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 51] = [
+const ORDER: [&str; 48] = [
     "vectors",
     "goal",
     "knots",
@@ -13,8 +13,6 @@ const ORDER: [&str; 51] = [
     "plan",
     "options",
     "problem",
-    "closing/elimination_tree",
-    "closing/cholesky",
     "closing/sparse",
     "closing/chord",
     "closing/solver",
@@ -27,7 +25,6 @@ const ORDER: [&str; 51] = [
     "following/legs",
     "following/route",
     "following/route_selection",
-    "foldability/interior_point",
     "foldability/flat_cone",
     "foldability/certificate",
     "foldability/cause",

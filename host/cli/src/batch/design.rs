@@ -14,7 +14,7 @@ use crate::values::Shard;
 use foldpath::request::{PlanRequest, Request};
 
 /// Longest line that is read, bytes.
-const LONGEST_LINE: u64 = 1 << 20;
+const MAX_LINE_BYTES: u64 = 1 << 20;
 
 /// A line that some worker has to plan.
 pub(super) struct Task {
@@ -159,16 +159,16 @@ fn next_line(lines: &mut impl BufRead) -> io::Result<Option<Result<String, Strin
     let mut bytes = Vec::new();
     let read = lines
         .by_ref()
-        .take(LONGEST_LINE)
+        .take(MAX_LINE_BYTES)
         .read_until(b'\n', &mut bytes)?;
     if read == 0 {
         return Ok(None);
     }
-    if read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") {
+    if read as u64 == MAX_LINE_BYTES && !bytes.ends_with(b"\n") {
         lines.skip_until(b'\n')?;
         return Ok(Some(Err(format!(
             "expected a line of at most {} MiB, found more",
-            LONGEST_LINE >> 20
+            MAX_LINE_BYTES >> 20
         ))));
     }
     while bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {

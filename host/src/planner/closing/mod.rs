@@ -2,8 +2,6 @@
 //!
 //! One entry point: [`ClosureSolver`](solver::ClosureSolver), by core's solvers with memory from the heap.
 
-pub(super) mod cholesky;
 pub(super) mod chord;
-pub(super) mod elimination_tree;
 pub(super) mod solver;
 pub(super) mod sparse;

@@ -1,22 +1,19 @@
 //! Sparse normal equations: a sparse Cholesky factorisation behind core's trait, for sheets whose every crease is an
 //! unknown.
 //!
-//! JᵀJ couples two unknowns only if a star or loop has both, so that each pair has a fixed place in the matrix. The
-//! places and the elimination order (approximate minimum degree) are found once; all else is arithmetic. The matrix is
-//! assembled from the rows of J only when it is factorised.
+//! The places of the entries of JᵀJ and the elimination order are found once, by
+//! [`GramStructure`]; all else is arithmetic. The matrix is assembled from the rows of J only when it is factorised.
 
 use std::sync::{Arc, OnceLock};
 
 use foldpath_core::least_squares::{Accumulate, Gradient, NormalEquations};
 use foldpath_core::{LoopsView, Spoke, StarsView};
+use foldpath_linear::cholesky::Factor;
+use foldpath_linear::gram::GramStructure;
 use nalgebra::Vector3;
 
-use super::cholesky::{Factor, Symbolic};
 use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
-
-/// Place of an entry above the diagonal, which is not stored.
-const ABOVE: u32 = u32::MAX;
 
 /// Fraction of its lower bound below which a diagonal entry of the inverse has lost too much to rounding.
 const MIN_DIAGONAL_RATIO: f64 = 0.5;
@@ -41,19 +38,14 @@ pub struct SparseNormalEquations<'a> {
 
 /// Sparse structure of the equations of some stars and loops, which does not depend on the angles.
 pub(crate) struct Structure {
-    /// Number of entries of the lower triangle.
-    entries: usize,
-    /// Place of the diagonal entry of each unknown: the first of its column.
-    diagonal: Vec<u32>,
-    /// For each star, then each loop, the places of the products of its spokes, row after row.
-    places: Csr<u32>,
+    /// JᵀJ, with a block for each star, then each loop.
+    gram: GramStructure,
     /// Number of stars.
     stars: usize,
     /// For each star, then each loop, the unknowns of its spokes.
     unknowns: Csr<u32>,
     /// For each unknown, the blocks of rows that have it, once they were asked for.
     touching: OnceLock<Csr<u32>>,
-    symbolic: Symbolic,
 }
 
 impl<'a> SparseNormalEquations<'a> {
@@ -67,15 +59,15 @@ impl<'a> SparseNormalEquations<'a> {
 
     /// Makes equations of this structure.
     pub(crate) fn of(structure: Arc<Structure>, watch: Watch<'a>) -> Self {
-        let n = structure.diagonal.len();
+        let gram = &structure.gram;
         Self {
-            values: vec![0.0; structure.entries],
-            gradient: vec![0.0; n],
+            values: vec![0.0; gram.entries],
+            gradient: vec![0.0; gram.diagonal.len()],
             jacobian: Csr::default(),
             assembled: false,
             fixed: Vec::new(),
             spare: Vec::new(),
-            factor: Factor::new(&structure.symbolic),
+            factor: Factor::new(&gram.symbolic),
             structure,
             watch,
         }
@@ -86,60 +78,15 @@ impl Structure {
     /// Finds the sparse structure and the elimination order. Returns `None` if there are too many entries to number them
     /// in 31 bits.
     pub(crate) fn new(stars: StarsView<'_, f64>, loops: LoopsView<'_, f64>) -> Option<Self> {
-        let n = stars.unknowns();
-        let count = stars.len();
-        let stars = stars.iter().map(|star| star.spokes);
-        let cycles = stars.chain(loops.iter().map(|l| l.spokes));
-        let cycles: Vec<&[Spoke<f64>]> = cycles.collect();
-        // Column and row of each entry as one number, which is sorted faster.
-        let entry = |column: u32, row: u32| u64::from(column) << 32 | u64::from(row);
-        let mut entries: Vec<u64> = (0..u32::try_from(n).ok()?).map(|k| entry(k, k)).collect();
-        for spokes in &cycles {
-            for a in *spokes {
-                let below = spokes.iter().filter(|b| b.group > a.group);
-                entries.extend(below.map(|b| entry(a.group.0, b.group.0)));
-            }
-        }
-        entries.sort_unstable();
-        entries.dedup();
-        #[allow(clippy::cast_possible_truncation, reason = "the lower half")]
-        let rows: Vec<u32> = entries.iter().map(|&entry| entry as u32).collect();
-        let mut column_ends = vec![0; n + 1];
-        for entry in entries {
-            column_ends[(entry >> 32) as usize + 1] += 1;
-        }
-        for column in 0..n {
-            column_ends[column + 1] += column_ends[column];
-        }
-        let place = |column: u32, row: u32| {
-            if row < column {
-                return None;
-            }
-            let range =
-                column_ends[column as usize] as usize..column_ends[column as usize + 1] as usize;
-            let offset = rows[range.clone()].binary_search(&row).ok()?;
-            u32::try_from(range.start + offset).ok()
-        };
-        let places = cycles.iter().map(|spokes| {
-            let pairs = spokes
-                .iter()
-                .flat_map(|a| spokes.iter().map(move |b| (a, b)));
-            let pairs = pairs.map(|(a, b)| place(b.group.0, a.group.0).unwrap_or(ABOVE));
-            pairs.collect::<Vec<_>>()
-        });
-        let places: Csr<u32> = places.collect();
-        let unknowns = cycles.iter().map(|spokes| spokes.iter().map(|s| s.group.0));
+        let cycles = stars.iter().map(|star| star.spokes);
+        let cycles = cycles.chain(loops.iter().map(|l| l.spokes));
+        let unknowns = cycles.map(|spokes| spokes.iter().map(|spoke| spoke.group.0));
         let unknowns: Csr<u32> = unknowns.collect();
-        let diagonal = column_ends[..n].to_vec();
-        let symbolic = Symbolic::new(&column_ends, &rows)?;
         Some(Self {
-            entries: rows.len(),
-            diagonal,
-            places,
-            stars: count,
+            gram: GramStructure::new(stars.unknowns(), &unknowns)?,
+            stars: stars.len(),
             unknowns,
             touching: OnceLock::new(),
-            symbolic,
         })
     }
 
@@ -163,7 +110,7 @@ impl Structure {
                 let unknowns = self.of_block(block).iter();
                 unknowns.map(move |&unknown| (unknown as usize, number))
             });
-            group_by_key(self.diagonal.len(), pairs)
+            group_by_key(self.gram.diagonal.len(), pairs)
         })
     }
 }
@@ -176,15 +123,9 @@ impl SparseNormalEquations<'_> {
         }
         self.values.fill(0.0);
         for (block, columns) in self.jacobian.iter().enumerate() {
-            let places = &self.structure.places[self.structure.number(block)];
-            let products = columns
-                .iter()
-                .flat_map(|a| columns.iter().map(move |b| a.dot(b)));
-            for (product, &place) in products.zip(places) {
-                if place != ABOVE {
-                    self.values[place as usize] += product;
-                }
-            }
+            let number = self.structure.number(block);
+            let gram = &self.structure.gram;
+            gram.add(number, columns, Vector3::dot, &mut self.values);
         }
     }
 }
@@ -229,12 +170,7 @@ impl NormalEquations<f64> for SparseNormalEquations<'_> {
 
     fn max_diagonal(&mut self) -> f64 {
         self.assemble();
-        let diagonal = self
-            .structure
-            .diagonal
-            .iter()
-            .map(|&place| self.values[place as usize]);
-        diagonal.fold(0.0, f64::max)
+        self.structure.gram.max_diagonal(&self.values)
     }
 
     fn fix_unknown(&mut self, unknown: usize, by: f64) -> f64 {
@@ -266,7 +202,7 @@ impl NormalEquations<f64> for SparseNormalEquations<'_> {
         self.solve(&mut column);
         // A diagonal entry of the inverse of a positive definite matrix is at least the inverse of the matrix's entry.
         // If it is less, it is rounding.
-        let diagonal = self.values[self.structure.diagonal[unknown] as usize];
+        let diagonal = self.values[self.structure.gram.diagonal[unknown] as usize];
         let sound = column[unknown] * diagonal >= MIN_DIAGONAL_RATIO;
         self.fixed.push((unknown, column));
         sound
@@ -276,12 +212,13 @@ impl NormalEquations<f64> for SparseNormalEquations<'_> {
         self.assemble();
         let columns = self.fixed.drain(..).map(|(_, column)| column);
         self.spare.extend(columns);
-        let symbolic = &self.structure.symbolic;
-        symbolic.factorise(&self.values, damping, &mut self.factor, self.watch)
+        let symbolic = &self.structure.gram.symbolic;
+        let watch = self.watch;
+        symbolic.factorise(&self.values, damping, &mut self.factor, &|| watch.is_over())
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {
-        let symbolic = &self.structure.symbolic;
+        let symbolic = &self.structure.gram.symbolic;
         symbolic.solve(&mut self.factor, right_side);
         // Schur complement: each fixed unknown is taken out of the solution along its column of the inverse.
         for (unknown, column) in &self.fixed {

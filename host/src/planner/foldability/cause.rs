@@ -9,7 +9,7 @@ use crate::pattern::{ClosureSite, CreasePattern, EdgeId, FlatFlaw, VertexId};
 use crate::planner::{Goal, GoalKind};
 
 /// Largest number of vertices or edges that a sentence names.
-const NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 /// Largest bend, radians, of two creases that are meant to be in line: 3 degrees.
 const NEARLY_IN_LINE_RAD: f64 = 0.052;
 /// Distance from 0 and from half a turn, radians, within which a goal angle counts as flat or folded flat.
@@ -150,13 +150,17 @@ fn off_by(degrees: f64, other: f64) -> String {
 
 /// Names the first ids, and counts the others.
 fn named(what: &str, ids: &[impl fmt::Display]) -> String {
-    let first: Vec<String> = ids.iter().take(NAMED).map(ToString::to_string).collect();
+    let first: Vec<String> = ids
+        .iter()
+        .take(MAX_NAMED)
+        .map(ToString::to_string)
+        .collect();
     let plural = match (what, ids.len()) {
         (_, 1) => what.to_string(),
         ("vertex", _) => "vertices".into(),
         _ => format!("{what}s"),
     };
-    let more = ids.len().saturating_sub(NAMED);
+    let more = ids.len().saturating_sub(MAX_NAMED);
     let more = if more > 0 {
         format!(" and {more} more")
     } else {

@@ -22,9 +22,9 @@ const MAX_UNSIGNED_WORK: usize = 4_000;
 /// Largest number of creases without sign in a connected part of the sheet that is proved to be rigid: about 0.1 s.
 const MAX_UNSIGNED: usize = 150;
 /// Size below which a multiplier is an error of the program's solution. The multipliers that hold a crease are about 1.
-const NEGLIGIBLE: f64 = 1e-6;
+const MIN_MULTIPLIER: f64 = 1e-6;
 /// Rounding of a sum of products, as a fraction of the sum of their sizes.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_RATIO: f64 = 1e-12;
 
 /// Creases that the conditions at some vertices and holes prove to be locked.
 #[derive(Clone, Debug)]
@@ -196,7 +196,7 @@ impl<'a> Sheet<'a> {
             sums.0 += sign * y * coefficient.value;
             sums.1 += y.abs()
                 * (coefficient.sensitivity * self.errors[crease]
-                    + ROUNDING * coefficient.value.abs());
+                    + ROUNDING_RATIO * coefficient.value.abs());
         }
         sums
     }
@@ -358,13 +358,13 @@ impl<'a> Sheet<'a> {
             }
         }
         let values = matrix.singular_values();
-        Some(values.min() - wrong.sqrt() - ROUNDING * values.max())
+        Some(values.min() - wrong.sqrt() - ROUNDING_RATIO * values.max())
     }
 }
 
 /// Returns the multiplier, or 0 if it is negligible.
 fn significant(multiplier: f64) -> f64 {
-    if multiplier.abs() < NEGLIGIBLE {
+    if multiplier.abs() < MIN_MULTIPLIER {
         0.0
     } else {
         multiplier

@@ -11,9 +11,9 @@
 //! Rounded coordinates make a straight line slightly bent, and a bent line cannot turn. The program therefore allows
 //! each condition a small error. Its solution proves nothing; its multipliers do, as `certificate.rs` explains.
 
+use foldpath_linear::linear_program::{LinearProgram, Variable};
 use nalgebra::Vector2;
 
-use super::interior_point::{LinearProgram, Variable};
 use crate::pattern::{ClosureSite, CreaseId, CreasePattern, EdgeId, VertexId};
 use crate::util::csr::Csr;
 
@@ -33,9 +33,9 @@ pub(crate) const MAX_RATE: f64 = 100.0;
 pub(crate) const MIN_SLACK: f64 = 1e-4;
 
 /// Rate in a solution above which a crease turns. Rates of solutions are 1 or more, or nearly 0.
-const TURNING_RATE: f64 = 0.5;
+const MIN_TURNING_RATE: f64 = 0.5;
 /// Length of the vector of all c of turning creases at which multipliers are free of errors.
-const PURE: f64 = 1e-11;
+const PURE_RATIO: f64 = 1e-11;
 /// Largest number of iterations that remove errors from multipliers; some hundred are usual.
 const MAX_PURIFICATIONS: usize = 1000;
 
@@ -126,8 +126,7 @@ impl FlatConditions {
         slack: f64,
     ) -> (LinearProgram, Vec<Option<usize>>) {
         let mut rows = vec![None; self.sites.len()];
-        // For each row of the program the error allowed, and the sum of the sizes of its entries.
-        let mut sizes: Vec<(f64, f64)> = Vec::new();
+        let mut sizes: Vec<RowSize> = Vec::new();
         let mut program = LinearProgram::default();
         for &crease in active {
             let sign = signs[crease];
@@ -135,11 +134,11 @@ impl FlatConditions {
             let mut column = Vec::new();
             for coefficient in &self.columns[crease] {
                 let row = *rows[coefficient.row as usize].get_or_insert_with(|| {
-                    sizes.push((0.0, 0.0));
+                    sizes.push(RowSize::default());
                     sizes.len() - 1
                 });
-                sizes[row].0 += slack * errors[crease] * coefficient.sensitivity;
-                sizes[row].1 += coefficient.value.abs();
+                sizes[row].allowed += slack * errors[crease] * coefficient.sensitivity;
+                sizes[row].entries += coefficient.value.abs();
                 let value = if signed { sign } else { 1.0 } * coefficient.value;
                 column.push((self::row(row), value));
             }
@@ -156,39 +155,19 @@ impl FlatConditions {
                 program.variables.push(variable(0.0, 2.0 * MAX_RATE));
             }
         }
-        for (allowed, _) in &mut sizes {
-            *allowed = allowed.max(MIN_SLACK);
+        for size in &mut sizes {
+            size.allowed = size.allowed.max(MIN_SLACK);
         }
-        program.right_side = sizes.iter().map(|(allowed, _)| *allowed).collect();
-        // The search starts from rates so small that the errors allowed exceed them, which satisfy all conditions.
-        let mut slacks = program.right_side.clone();
-        for (&crease, first) in active.iter().zip(first_variables(active, signs)) {
-            if signs[crease].abs() <= 0.0 {
-                // The variable is the rate plus `MAX_RATE`.
-                for &(row, value) in &program.variables[first].column {
-                    program.right_side[row as usize] += MAX_RATE * value;
-                }
-                continue;
-            }
-            for variable in &mut program.variables[first..first + 2] {
-                let column = variable.column.iter();
-                let most =
-                    column.map(|&(row, _)| sizes[row as usize].0 / (4.0 * sizes[row as usize].1));
-                variable.start = most.fold(variable.start, f64::min);
-                for &(row, value) in &variable.column {
-                    slacks[row as usize] -= value * variable.start;
-                }
-            }
-        }
-        let pairs = slacks.iter().zip(&sizes).enumerate();
-        program
-            .variables
-            .extend(pairs.map(|(k, (slack, (allowed, _)))| Variable {
-                column: vec![(row(k), 1.0)],
-                cost: 0.0,
-                upper: 2.0 * allowed,
-                start: *slack,
-            }));
+        program.right_side = sizes.iter().map(|size| size.allowed).collect();
+        let slacks = start_rates(&mut program, active, signs, &sizes);
+        let slacks = slacks.iter().zip(&sizes).zip(0..);
+        let slacks = slacks.map(|((slack, size), row)| Variable {
+            column: vec![(row, 1.0)],
+            cost: 0.0,
+            upper: 2.0 * size.allowed,
+            start: *slack,
+        });
+        program.variables.extend(slacks);
         (program, rows)
     }
 
@@ -217,7 +196,7 @@ impl FlatConditions {
         let mut multipliers: Vec<f64> = rows.iter().map(multiplier).collect();
         let turning = active.iter().zip(&rates).filter(|(crease, rate)| {
             let signed = signs[**crease].abs() > 0.0;
-            !signed || rate.abs() > TURNING_RATE
+            !signed || rate.abs() > MIN_TURNING_RATE
         });
         let turning: Vec<usize> = turning.map(|(crease, _)| *crease).collect();
         self.purify(&turning, &mut multipliers);
@@ -240,7 +219,7 @@ impl FlatConditions {
         let mut way = rest.clone();
         let mut size = square(&rest);
         for _ in 0..MAX_PURIFICATIONS {
-            if size < PURE * PURE {
+            if size < PURE_RATIO * PURE_RATIO {
                 break;
             }
             let mut change = vec![0.0; multipliers.len()];
@@ -261,6 +240,46 @@ impl FlatConditions {
             size = next;
         }
     }
+}
+
+/// Sizes of a row of the program.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowSize {
+    /// The error allowed.
+    allowed: f64,
+    /// Sum of the sizes of the entries.
+    entries: f64,
+}
+
+/// Starts the search from rates so small that the errors allowed exceed them, which satisfy all conditions, and moves the
+/// origin of rates of either sign to the right sides. Returns what the errors allowed exceed them by.
+fn start_rates(
+    program: &mut LinearProgram,
+    active: &[usize],
+    signs: &[f64],
+    sizes: &[RowSize],
+) -> Vec<f64> {
+    let mut slacks = program.right_side.clone();
+    for (&crease, first) in active.iter().zip(first_variables(active, signs)) {
+        if signs[crease].abs() <= 0.0 {
+            // The variable is the rate plus `MAX_RATE`.
+            for &(row, value) in &program.variables[first].column {
+                program.right_side[row as usize] += MAX_RATE * value;
+            }
+            continue;
+        }
+        for variable in &mut program.variables[first..first + 2] {
+            let most = variable.column.iter().map(|&(row, _)| {
+                let size = sizes[row as usize];
+                size.allowed / (4.0 * size.entries)
+            });
+            variable.start = most.fold(variable.start, f64::min);
+            for &(row, value) in &variable.column {
+                slacks[row as usize] -= value * variable.start;
+            }
+        }
+    }
+    slacks
 }
 
 /// Returns the first variable of each active crease: two for a crease with sign, one for any other.

@@ -36,12 +36,12 @@ impl Foldability {
     }
 }
 
-/// What can be said of a pattern before it is planned.
+/// Statements on a pattern that need no plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
-    /// Whether it folds.
+    /// Expectation of whether it folds.
     pub foldability: Foldability,
-    /// What keeps the sheet or a part of it from folding.
+    /// Causes that keep the sheet or a part of it from folding.
     pub causes: Vec<Cause>,
     /// The creases that are proved not to turn in a first step from flat, each turning its way: along its letter, or
     /// else towards its goal. Coordinates may be off by their last digit. Empty if the sheet is too large.
@@ -73,15 +73,11 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
         None => letters.clone(),
     };
     // The way in which each crease turns: its letter says more than its goal angle, which may be 0.
-    let ways: Vec<f64> = letters
-        .iter()
-        .zip(&asked)
-        .map(|(letter, asked)| match asked {
-            _ if letter.abs() > 0.0 => *letter,
-            asked if asked.abs() > 0.0 => asked.signum(),
-            _ => 0.0,
-        })
-        .collect();
+    let signs = letters.iter().zip(&asked).map(|(letter, asked)| {
+        let said = [letter, asked].into_iter().find(|sign| sign.abs() > 0.0);
+        said.map_or(0.0, |sign| sign.signum())
+    });
+    let ways: Vec<f64> = signs.collect();
     let mut forecast = Forecast {
         foldability: Foldability::Unknown,
         causes: at_vertices(pattern, &ways, goal.as_ref()),
@@ -104,16 +100,9 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
         rigid = forecast.add_locks(pattern, &ways, &letters, &moves);
     }
     forecast.goal_residual = closure_of(pattern, &goal.fold_angles);
-    let is_within = |most: f64| {
-        forecast
-            .goal_residual
-            .is_some_and(|residual| residual <= most)
-    };
-    let (closes, nearly) = (
-        is_within(CLOSED),
-        is_within(CLOSED + rounding_of_goal(pattern)),
-    );
-    if closes && !watch.is_over() {
+    let is_within = |most: f64| forecast.goal_residual.is_some_and(|it| it <= most);
+    let nearly_closes = is_within(CLOSED + rounding_of_goal(pattern));
+    if is_within(CLOSED) && !watch.is_over() {
         let angles: Vec<f64> = goal.fold_angles.iter().flatten().copied().collect();
         let motions = Mobility::at(&ReducedStars::of_creases(pattern), &angles);
         forecast.goal_motions = motions.map(|motions| motions.drivers.len());
@@ -121,7 +110,7 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     forecast.foldability = match forecast.step {
         _ if rigid => Foldability::No,
         FirstStep::Unknown if !judged => Foldability::Unknown,
-        FirstStep::Leaves { unturned: 0, .. } if nearly && forecast.causes.is_empty() => {
+        FirstStep::Leaves { unturned: 0, .. } if nearly_closes && forecast.causes.is_empty() => {
             Foldability::Likely
         }
         _ => Foldability::Perhaps,

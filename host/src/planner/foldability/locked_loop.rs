@@ -17,7 +17,7 @@ use crate::pattern::{CreasePattern, EdgeId, VertexId};
 const FLAT_FOLDABLE_RAD: f64 = 1e-3;
 /// Turn at which the two modes of a vertex are told apart, radians, and the largest residual of the right one.
 const PROBE_RAD: f64 = 0.8;
-const CLOSED: f64 = 5e-3;
+const MAX_CLOSED_RAD: f64 = 5e-3;
 /// Difference of the logarithms of two ratios from which on they contradict each other.
 const OTHER_RATIO: f64 = 0.02;
 
@@ -171,5 +171,5 @@ fn mode(pattern: &CreasePattern, letters: &[f64], vertex: VertexId) -> Option<([
     let judged = sound.map(|ratio| (residual(ratio), ratio));
     // Both modes nearly close if they are nearly alike.
     let (residual, ratio) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (residual < CLOSED).then_some((creases, ratio.ln()))
+    (residual < MAX_CLOSED_RAD).then_some((creases, ratio.ln()))
 }

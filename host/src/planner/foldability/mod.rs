@@ -4,5 +4,4 @@ pub(crate) mod cause;
 pub(crate) mod certificate;
 pub(crate) mod flat_cone;
 pub(crate) mod forecast;
-pub(crate) mod interior_point;
 mod locked_loop;

@@ -28,10 +28,10 @@ pub(crate) const UNTURNED_RATIO: f64 = 1e-3;
 /// sheet lands on motions that turn only some of its hinges.
 const MIN_TURN_RATIOS: [f64; 3] = [0.1, 0.01, 0.0];
 /// Cosine between the directions of two branches above which they are the same branch.
-const SAME_BRANCH_COSINE: f64 = 0.999;
+const MIN_SAME_BRANCH_COSINE: f64 = 0.999;
 /// Smallest cosine between a configuration of a branch and the one at a quarter of its size if the branch leads to
 /// flat.
-const STRAIGHT_COSINE: f64 = 0.9;
+const MIN_STRAIGHT_COSINE: f64 = 0.9;
 /// Size of a closed first step below which it has fallen back to flat, as a fraction of its size before closing.
 const MIN_SIZE_RATIO: f64 = 0.1;
 /// Size of a closed first step above which it has gone elsewhere, as a multiple of its size before closing.
@@ -77,7 +77,7 @@ pub(crate) fn branches_at_flat(
         let new = switcher.land(&mut x)
             && found
                 .iter()
-                .all(|other| cosine(other, &x) < SAME_BRANCH_COSINE);
+                .all(|other| cosine(other, &x) < MIN_SAME_BRANCH_COSINE);
         if new {
             found.push(x);
         }
@@ -156,7 +156,7 @@ impl<'a> BranchSwitcher<'a> {
             return false;
         }
         let mut nearer: Vec<f64> = x.iter().map(|a| a / 4.0).collect();
-        self.free.closes(&mut nearer) && cosine(&nearer, x) >= STRAIGHT_COSINE
+        self.free.closes(&mut nearer) && cosine(&nearer, x) >= MIN_STRAIGHT_COSINE
     }
 }
 

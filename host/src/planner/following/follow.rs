@@ -5,6 +5,8 @@
 //! from the goal, where the motion is known, towards flat. Only if that fails is flat left along the signs of the goal,
 //! see `branch.rs`.
 
+use core::ops::ControlFlow;
+
 use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::reason::Stop;
 use crate::planner::vectors::{cosine, max_difference, max_norm, norm, unit, way_to};
@@ -109,7 +111,7 @@ const MAX_CORRECTION_RATIO: f64 = 0.3;
 /// motion then goes on as it came.
 const MIN_SIGHT_COSINE: f64 = 0.05;
 /// Cosine between two directions in a row below which the path turns a corner: one motion ends and another begins.
-const CORNER_COSINE: f64 = 0.5;
+const MAX_CORNER_COSINE: f64 = 0.5;
 /// Steps over a bifurcation, tried in the direction in which the path came, as fractions of the largest step.
 const LEAP_RATIOS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Length of a step that is no progress, as a fraction of the largest step.
@@ -170,98 +172,138 @@ pub(crate) fn follow(
     target: Target<'_>,
     rules: Rules<'_>,
 ) -> Followed {
-    let max_step = rules.max_step;
-    let mut waypoints: Vec<Waypoint> = Vec::new();
-    let mut angles = start.to_vec();
-    let mut came = came.map(<[f64]>::to_vec);
-    let mut last_step: Option<f64> = None;
-    let mut progress = Progress::default();
-    let whole = norm(&target.way(start));
+    let mut follower = PathFollower {
+        solver,
+        target,
+        rules,
+        whole: norm(&target.way(start)),
+        waypoints: Vec::new(),
+        angles: start.to_vec(),
+        came: came.map(<[f64]>::to_vec),
+        last_step: None,
+        progress: Progress::default(),
+    };
     let stop = loop {
-        if solver.is_late() {
-            break Some(Stop::Timeout);
-        }
-        let way = target.way(&angles);
-        let left = norm(&way);
-        let there = left <= REACHED_RAD;
-        rules.tell(left, whole);
-        let heading = if there {
-            Err(None)
-        } else {
-            heading(solver, &angles, &way, came.as_deref(), target).map_err(Some)
-        };
-        let heading = match heading {
-            Ok(heading) => heading,
-            Err(stop) => {
-                let tangent = came.unwrap_or_else(|| vec![0.0; angles.len()]);
-                waypoints.push(Waypoint::new(angles, tangent));
-                break stop;
-            }
-        };
-        let tangent = heading.direction;
-        let corner = came
-            .as_ref()
-            .is_some_and(|came| cosine(came, &tangent) < CORNER_COSINE);
-        waypoints.push(Waypoint::new(
-            angles.clone(),
-            if corner {
-                vec![0.0; angles.len()]
-            } else {
-                tangent.clone()
-            },
-        ));
-        if max_norm(&way) <= max_step
-            && let Some(last) = arrive(solver, &angles, &tangent, target, rules)
-        {
-            waypoints.push(last);
-            break None;
-        }
-        let bend = match (&came, last_step) {
-            (Some(came), Some(length)) if !corner => bend(came, &tangent, length),
-            _ => vec![0.0; angles.len()],
-        };
-        let room = solver.room(&angles, &tangent);
-        let at_limit = room.0 * max_norm(&tangent) <= AT_LIMIT_RAD;
-        let at_limit = at_limit.then(|| at_limit_of(&angles, &[room.1])).flatten();
-        let most = room.0.min(heading.length);
-        let most = most.min(until_flat(&angles, &tangent));
-        let next = step(solver, &angles, &tangent, &bend, most, rules).or_else(|| {
-            let came = came.as_deref()?;
-            let flat = vec![0.0; came.len()];
-            LEAP_RATIOS
-                .iter()
-                .find_map(|leap| step_at(solver, &angles, came, &flat, leap * max_step, rules))
-        });
-        match next {
-            Some((next, length)) => {
-                let left = norm(&target.way(&next));
-                if let Target::Nearest(asked) = target
-                    && left >= norm(&way)
-                {
-                    let last = approach(solver, angles.clone(), asked);
-                    let moved = max_difference(&last, &angles);
-                    if moved > REACHED_RAD && moved <= max_step {
-                        waypoints.push(Waypoint::new(last, tangent));
-                    }
-                    break Some(at_limit.unwrap_or(Stop::Nearest));
-                }
-                let moved = max_difference(&next, &angles);
-                if let Some(stop) = progress.ends(left, moved / max_step) {
-                    break Some(stop);
-                }
-                angles = next;
-                last_step = Some(length);
-                came = Some(tangent);
-            }
-            None => break Some(at_limit.unwrap_or(Stop::Closure)),
+        if let ControlFlow::Break(stop) = follower.advance() {
+            break stop;
         }
     };
+    let waypoints = follower.waypoints;
     // The angles asked for may lie at a limit, or in a configuration where the sheet is singular.
     let stop = stop.filter(|_| match (target, waypoints.last()) {
         (Target::Nearest(asked), Some(last)) => norm(&way_to(asked, &last.angles)) > ARRIVED_RAD,
         _ => true,
     });
     Followed { waypoints, stop }
+}
+
+/// The path as far as it is followed.
+struct PathFollower<'a, 's> {
+    solver: &'a mut ClosureSolver<'s>,
+    target: Target<'a>,
+    rules: Rules<'a>,
+    /// Distance from the start to the target.
+    whole: f64,
+    waypoints: Vec<Waypoint>,
+    /// The present configuration, radians.
+    angles: Vec<f64>,
+    /// Direction in which the path came to the present configuration.
+    came: Option<Vec<f64>>,
+    /// Length of the last step.
+    last_step: Option<f64>,
+    progress: Progress,
+}
+
+impl PathFollower<'_, '_> {
+    /// Adds the waypoint at the present configuration and takes the next step. At the end of the path, breaks with the
+    /// reason to stop; there is none if the path ends at the target.
+    fn advance(&mut self) -> ControlFlow<Option<Stop>> {
+        if self.solver.is_late() {
+            return ControlFlow::Break(Some(Stop::Timeout));
+        }
+        let way = self.target.way(&self.angles);
+        let left = norm(&way);
+        self.rules.tell(left, self.whole);
+        let rest = vec![0.0; self.angles.len()];
+        let heading = if left <= REACHED_RAD {
+            Err(None)
+        } else {
+            let came = self.came.as_deref();
+            heading(self.solver, &self.angles, &way, came, self.target).map_err(Some)
+        };
+        let heading = match heading {
+            Ok(heading) => heading,
+            Err(stop) => {
+                let tangent = self.came.take().unwrap_or(rest);
+                let last = Waypoint::new(self.angles.clone(), tangent);
+                self.waypoints.push(last);
+                return ControlFlow::Break(stop);
+            }
+        };
+        let tangent = heading.direction;
+        let came = self.came.as_ref();
+        let is_corner = came.is_some_and(|came| cosine(came, &tangent) < MAX_CORNER_COSINE);
+        let here = if is_corner { &rest } else { &tangent };
+        let here = Waypoint::new(self.angles.clone(), here.clone());
+        self.waypoints.push(here);
+        if max_norm(&way) <= self.rules.max_step
+            && let Some(last) = arrive(self.solver, &self.angles, &tangent, self.target, self.rules)
+        {
+            self.waypoints.push(last);
+            return ControlFlow::Break(None);
+        }
+        let (room, blocked) = self.solver.room(&self.angles, &tangent);
+        let is_at_limit = room * max_norm(&tangent) <= AT_LIMIT_RAD;
+        let at_limit = is_at_limit.then(|| at_limit_of(&self.angles, &[blocked]));
+        let at_limit = at_limit.flatten();
+        let most = room.min(heading.length);
+        let most = most.min(until_flat(&self.angles, &tangent));
+        let Some((next, length)) = self.next(&tangent, is_corner, most) else {
+            return ControlFlow::Break(Some(at_limit.unwrap_or(Stop::Closure)));
+        };
+        let left = norm(&self.target.way(&next));
+        if let Target::Nearest(asked) = self.target
+            && left >= norm(&way)
+        {
+            self.end_near(asked, tangent);
+            return ControlFlow::Break(Some(at_limit.unwrap_or(Stop::Nearest)));
+        }
+        let moved = max_difference(&next, &self.angles);
+        if let Some(stop) = self.progress.ends(left, moved / self.rules.max_step) {
+            return ControlFlow::Break(Some(stop));
+        }
+        self.angles = next;
+        self.last_step = Some(length);
+        self.came = Some(tangent);
+        ControlFlow::Continue(())
+    }
+
+    /// Takes a step of about the length `most` along the tangent, or else leaps over a bifurcation in the direction in
+    /// which the path came. Returns the configuration and the length along the path.
+    fn next(&mut self, tangent: &[f64], is_corner: bool, most: f64) -> Option<(Vec<f64>, f64)> {
+        let rest = vec![0.0; tangent.len()];
+        let bend = match (&self.came, self.last_step) {
+            (Some(came), Some(length)) if !is_corner => bend(came, tangent, length),
+            _ => rest.clone(),
+        };
+        let (solver, rules) = (&mut *self.solver, self.rules);
+        step(solver, &self.angles, tangent, &bend, most, rules).or_else(|| {
+            let came = self.came.as_deref()?;
+            LEAP_RATIOS.iter().find_map(|leap| {
+                let size = leap * rules.max_step;
+                step_at(solver, &self.angles, came, &rest, size, rules)
+            })
+        })
+    }
+
+    /// Adds the configuration nearest to the angles asked for, unless the path is there already.
+    fn end_near(&mut self, asked: &[Option<f64>], tangent: Vec<f64>) {
+        let last = approach(self.solver, self.angles.clone(), asked);
+        let moved = max_difference(&last, &self.angles);
+        if moved > REACHED_RAD && moved <= self.rules.max_step {
+            self.waypoints.push(Waypoint::new(last, tangent));
+        }
+    }
 }
 
 /// Returns the first of the held hinges that has reached its limit. A hinge that is held at flat, as it would turn
@@ -397,7 +439,7 @@ fn arrive(
         }
         Target::Closed(target) => {
             let way: Vec<f64> = target.iter().zip(angles).map(|(t, a)| t - a).collect();
-            if cosine(&way, direction) < AHEAD_COSINE {
+            if cosine(&way, direction) < MIN_AHEAD_COSINE {
                 return None;
             }
             // The direction is projected backwards, as a hinge may arrive at its limit.
@@ -424,7 +466,7 @@ fn arrive(
 
 /// Cosine between the straight way to a configuration near by and the motion above which the configuration lies on that
 /// motion.
-const AHEAD_COSINE: f64 = 0.8;
+const MIN_AHEAD_COSINE: f64 = 0.8;
 
 /// Largest number of steps to the angles asked for along the closed configurations. Convergence is quadratic, at a rate
 /// set by how far the motion bends over the distance, so that few steps are needed.

@@ -133,7 +133,7 @@ impl<'a> Reduction<'a> {
         if coarse && within <= told {
             return None;
         }
-        let (all, turned) = self.all.unrounded(within);
+        let (all, turned) = self.all.snapped(within);
         let groups = self.groups.clone();
         let snapped = || Self {
             rounded: Some(self.distinct.clone()),
@@ -457,7 +457,7 @@ pub(crate) fn snapping_angle(
         return None;
     }
     let mut tried = (0..=SNAP_POWERS).rev().map(|k| most * SNAP_FACTOR.powi(k));
-    let closes_within = |within: &f64| closes(&stars.unrounded(*within).0);
+    let closes_within = |within: &f64| closes(&stars.snapped(*within).0);
     let within = tried.find(closes_within)?;
     // Lines that are part of the goal may be off by more than the goal is.
     let more = (0..=if coarse { SNAP_POWERS } else { LINE_POWERS }).rev();

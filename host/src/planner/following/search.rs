@@ -40,7 +40,7 @@ pub(crate) fn search(
     let mut rng = Pcg64::new(u128::from(options.seed), 0);
     let mut knots = vec![vec![0.0; asked.len()]];
     let max_step = rules.max_step;
-    let (mut radius, mut failures, mut restarts) = (max_step, 0, 0);
+    let mut radius = SamplingRadius::new(max_step);
     let whole = norm(&way_to(asked, &knots[0]));
     let stop = loop {
         let here = &knots[knots.len() - 1];
@@ -50,62 +50,98 @@ pub(crate) fn search(
         if far <= REACHED_RAD {
             break None;
         }
-        if let Some(closed) = closed.filter(|closed| max_difference(closed, here) <= max_step) {
-            knots.push(closed.to_vec());
-            break None;
-        }
-        if closed.is_none() && longest <= max_step {
-            let last = approach(solver, here.clone(), asked);
-            let there = norm(&way_to(asked, &last)) <= REACHED_RAD;
-            if there
-                && max_difference(&last, here) <= max_step
-                && rules.allow(here, &last)
-                && feasible(&last)
-            {
-                knots.push(last);
-                break None;
+        let last = match closed {
+            Some(closed) => {
+                Some(closed.to_vec()).filter(|_| max_difference(closed, here) <= max_step)
             }
+            None if longest <= max_step => {
+                last_step(solver, here, asked, rules).filter(|it| feasible(it))
+            }
+            None => None,
+        };
+        if let Some(last) = last {
+            knots.push(last);
+            break None;
         }
         if solver.is_late() {
             break Some(Stop::Timeout);
         }
-        if restarts == most_restarts {
+        if radius.restarts == most_restarts {
             break Some(Stop::Nearest);
         }
-        let part = (radius / longest).min(1.0);
+        let part = (radius.size / longest).min(1.0);
         let ahead: Vec<f64> = here.iter().zip(&way).map(|(x, w)| x + part * w).collect();
         let mut next = ahead.clone();
-        random_near(
-            &mut rng,
-            &ahead,
-            SPREAD_RATIO * radius,
-            Limits::HalfTurn,
-            &mut next,
-        );
-        let good = solver.closes(&mut next)
+        let spread = SPREAD_RATIO * radius.size;
+        random_near(&mut rng, &ahead, spread, Limits::HalfTurn, &mut next);
+        let is_good = solver.closes(&mut next)
             && max_difference(&next, here) <= max_step
             && rules.allow(here, &next)
             && norm(&way_to(asked, &next)) < far
             && solver.objective(options.objective, &next) <= solver.objective_tolerance()
             && feasible(&next);
-        if good {
+        radius.adapt(is_good);
+        if is_good {
             knots.push(next);
-            radius = (radius * WIDENING_FACTOR).min(max_step);
-            (failures, restarts) = (0, 0);
-            continue;
-        }
-        failures += 1;
-        if failures == MAX_FAILURES {
-            (radius, failures) = (radius * NARROWING_FACTOR, 0);
-            if radius < MIN_RADIUS_RATIO * max_step {
-                radius = max_step;
-                restarts += 1;
-            }
         }
     };
     Followed {
         waypoints: polyline(&knots),
         stop,
+    }
+}
+
+/// Returns the configuration with the angles asked for, if one step leads to it.
+fn last_step(
+    solver: &mut ClosureSolver<'_>,
+    here: &[f64],
+    asked: &[Option<f64>],
+    rules: Rules<'_>,
+) -> Option<Vec<f64>> {
+    let last = approach(solver, here.to_vec(), asked);
+    let is_last = norm(&way_to(asked, &last)) <= REACHED_RAD
+        && max_difference(&last, here) <= rules.max_step
+        && rules.allow(here, &last);
+    is_last.then_some(last)
+}
+
+/// The radius round a configuration within which samples are drawn, which adapts to their success.
+struct SamplingRadius {
+    /// Radius, radians.
+    size: f64,
+    /// Largest radius.
+    max: f64,
+    /// Number of failures in a row.
+    failures: usize,
+    /// Number of restarts with the largest radius since the last success.
+    restarts: usize,
+}
+
+impl SamplingRadius {
+    fn new(max: f64) -> Self {
+        Self {
+            size: max,
+            max,
+            failures: 0,
+            restarts: 0,
+        }
+    }
+
+    /// Widens the radius after a success, narrows it after several failures, and restarts if it becomes too small.
+    fn adapt(&mut self, is_success: bool) {
+        if is_success {
+            self.size = (self.size * WIDENING_FACTOR).min(self.max);
+            (self.failures, self.restarts) = (0, 0);
+            return;
+        }
+        self.failures += 1;
+        if self.failures == MAX_FAILURES {
+            (self.size, self.failures) = (self.size * NARROWING_FACTOR, 0);
+            if self.size < MIN_RADIUS_RATIO * self.max {
+                self.size = self.max;
+                self.restarts += 1;
+            }
+        }
     }
 }
 

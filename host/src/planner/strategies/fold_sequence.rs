@@ -130,7 +130,7 @@ fn parts(
     }
     let stars = ReducedStars::of_creases(problem.pattern);
     let stars = if problem.errors.is_snapped() {
-        stars.unrounded(route.reduction.within).0
+        stars.snapped(route.reduction.within).0
     } else {
         stars
     };

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use super::document::Document;
 
 /// Largest number of unknown keys that a note names.
-const NAMED: usize = 8;
+const MAX_NAMED_KEYS: usize = 8;
 /// Largest number of characters of a key that a note shows.
-const SHOWN: usize = 40;
+const MAX_SHOWN_CHARS: usize = 40;
 
 /// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
 /// keys of this program, which `FORMAT.md` describes.
@@ -71,8 +71,8 @@ pub(super) fn not_known(document: &Document) -> Option<String> {
         .keys()
         .filter(|key| KNOWN.binary_search(key).is_err());
     let keys: BTreeSet<&str> = keys.collect();
-    let named = keys.iter().take(NAMED).map(|key| {
-        let shown: String = key.chars().take(SHOWN).collect();
+    let named = keys.iter().take(MAX_NAMED_KEYS).map(|key| {
+        let shown: String = key.chars().take(MAX_SHOWN_CHARS).collect();
         format!("{shown:?}")
     });
     let named: Vec<String> = named.collect();

@@ -19,4 +19,4 @@ pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
 pub use shape::parse_shape;
 
 /// Largest size of a file, bytes: paths of a million faces have about one gigabyte.
-pub(super) const LARGEST_FILE: u64 = 1 << 31;
+pub(super) const MAX_FILE_BYTES: u64 = 1 << 31;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use foldpath_core::{GroupId, Interpolation, Membership};
 use nalgebra::Vector3;
 
-use super::LARGEST_FILE;
+use super::MAX_FILE_BYTES;
 use super::document::{Document, Frame, Located};
 use super::pattern::{PatternFile, goals, pattern_of, points};
 use crate::motion::{Claims, GroupNaming, Knot, Motion, PlanAnswer, interpolation_name, leaders};
@@ -80,7 +80,7 @@ impl EdgeKnot {
 /// # Errors
 /// If the file cannot be read, its key frame is no flat crease pattern, or a frame is no valid knot.
 pub fn read_motion(path: &Path) -> Result<Motion, FileError> {
-    parse_motion(path, &read_bytes(path, LARGEST_FILE)?)
+    parse_motion(path, &read_bytes(path, MAX_FILE_BYTES)?)
 }
 
 /// Parses a motion from the bytes of a file; `path` names the file in errors. See [`read_motion`].

@@ -6,7 +6,7 @@ use crate::folding::in_plane;
 use crate::pattern::twice_area;
 
 /// Largest distance of a flat sheet from its plane, as a fraction of the sheet's size.
-const FLAT: f64 = 1e-6;
+const MAX_OFF_PLANE_RATIO: f64 = 1e-6;
 
 /// Texts of the error for a sheet that is not flat: the expected and the found vertices.
 pub(in crate::read) const FLAT_PATTERN: &str =
@@ -65,10 +65,16 @@ fn flatten(points: &[Vector3<f64>]) -> Option<(Vec<Vector2<f64>>, bool)> {
     let eigen = scatter.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
     let mut up = eigen.eigenvectors.column(least).into_owned();
-    let [x, y, z] = [up.x, up.y, up.z].map(|c| if c.abs() < FLAT { 0.0 } else { c });
+    let [x, y, z] = [up.x, up.y, up.z].map(|c| {
+        if c.abs() < MAX_OFF_PLANE_RATIO {
+            0.0
+        } else {
+            c
+        }
+    });
     let facing = [z, y, x].into_iter().find(|c| c.abs() > 0.0)?;
     up *= facing.signum();
-    if centered().any(|p| p.dot(&up).abs() > FLAT * size) {
+    if centered().any(|p| p.dot(&up).abs() > MAX_OFF_PLANE_RATIO * size) {
         return None;
     }
     Some((in_plane(points, &up), false))

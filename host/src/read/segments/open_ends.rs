@@ -12,18 +12,18 @@ use crate::util::csr::group_by_key;
 
 /// Largest distance of an open end from the one vertex or line that it was meant to meet, as a fraction of its own
 /// line.
-const OF_LINE: f64 = 0.05;
+const MAX_OF_LINE_RATIO: f64 = 0.05;
 
 /// Largest distance of an open end from that vertex or line, as a fraction of the diagonal. Origami Simulator joins
 /// points within 3 pixels, in drawings of about a thousand pixels.
-pub(super) const OPEN: f64 = 1.0 / 300.0;
+pub(super) const MAX_OF_DIAGONAL_RATIO: f64 = 1.0 / 300.0;
 
 /// Smallest ratio of the distances to the second and to the nearest candidate with which the nearest is the only one.
-const APART: f64 = 2.0;
+const MIN_APART_RATIO: f64 = 2.0;
 
 /// Largest distance by which an open end of this line is moved in a drawing of this diagonal.
 fn reach([a, b]: [Vector2<f64>; 2], diagonal: f64) -> f64 {
-    (OF_LINE * (b - a).norm()).min(OPEN * diagonal)
+    (MAX_OF_LINE_RATIO * (b - a).norm()).min(MAX_OF_DIAGONAL_RATIO * diagonal)
 }
 
 /// Returns the number of lines that end at each vertex.
@@ -36,9 +36,9 @@ fn degrees(vertices: usize, pieces: &[DrawnEdge]) -> Vec<usize> {
 }
 
 /// Joins each open end to the only vertex that it can have been meant to meet. The vertex must lie within a twentieth
-/// of the line's length and within [`OPEN`] of the diagonal, and the next vertex must be at least twice as far. A line
-/// that goes too far past another leaves a short open end, which stays open and is left out later. Returns `true` if
-/// any end was joined, and `None` if the budget of proximity tests is used up.
+/// of the line's length and within [`MAX_OF_DIAGONAL_RATIO`] of the diagonal, and the next vertex must be at least twice
+/// as far. A line that goes too far past another leaves a short open end, which stays open and is left out later. Returns
+/// `true` if any end was joined, and `None` if the budget of proximity tests is used up.
 pub(super) fn join_to_vertices(
     places: &mut Places,
     pieces: &mut [DrawnEdge],
@@ -47,7 +47,7 @@ pub(super) fn join_to_vertices(
     looks: &mut Looks<'_>,
 ) -> Option<bool> {
     let degrees = degrees(places.points.len(), pieces);
-    let (grid, cells) = Grid::of_points(&places.points, OPEN * diagonal);
+    let (grid, cells) = Grid::of_points(&places.points, MAX_OF_DIAGONAL_RATIO * diagonal);
     let before = repairs.to_vertices.count;
     for piece in pieces {
         let reach = reach(line(&places.points, piece), diagonal);
@@ -57,7 +57,7 @@ pub(super) fn join_to_vertices(
                 continue;
             }
             let at = places.points[end];
-            let mut near = Nearest::apart(APART);
+            let mut near = Nearest::apart(MIN_APART_RATIO);
             grid.along([at; 2], 2.0 * reach, |cell| {
                 looks.take(1 + cells[cell].len());
                 for &vertex in &cells[cell] {
@@ -106,7 +106,7 @@ pub(super) fn join_to_lines(
     }
     let least = match *within {
         LineReach::Asked(tolerance) => tolerance,
-        LineReach::Only { diagonal } => OPEN * diagonal,
+        LineReach::Only { diagonal } => MAX_OF_DIAGONAL_RATIO * diagonal,
     };
     let (grid, covered) = grid_of_lines(&places.points, pieces, least);
     let before = repairs.to_lines.count;
@@ -114,7 +114,7 @@ pub(super) fn join_to_lines(
         let own = line(&places.points, &pieces[index]);
         let (reach, apart) = match *within {
             LineReach::Asked(tolerance) => (tolerance, 0.0),
-            LineReach::Only { diagonal } => (reach(own, diagonal), APART),
+            LineReach::Only { diagonal } => (reach(own, diagonal), MIN_APART_RATIO),
         };
         for side in 0..2 {
             let ends = pieces[index].ends;
@@ -124,7 +124,7 @@ pub(super) fn join_to_lines(
             }
             let [at, from] = [places.points[end], places.points[other]];
             let mut near = Nearest::apart(apart);
-            grid.along([at; 2], APART * reach, |cell| {
+            grid.along([at; 2], MIN_APART_RATIO * reach, |cell| {
                 looks.take(1 + covered[cell].len());
                 for &candidate in &covered[cell] {
                     // A line from the other end is no goal: the end would be laid upon it.

@@ -10,34 +10,37 @@ use robust::{Coord, orient2d};
 
 use super::grid::Grid;
 use super::missing_border::missing_borders;
-use super::open_ends::{LineReach, OPEN, join_to_lines, join_to_vertices, remove_open};
+use super::open_ends::{
+    LineReach, MAX_OF_DIAGONAL_RATIO, join_to_lines, join_to_vertices, remove_open,
+};
 use super::places::Places;
 use super::repairs::Repairs;
-use super::{MOST, Segment};
+use super::{MAX_LINES, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
 use crate::util::csr::{Csr, group_by_key};
+use crate::util::nan_max::{bounding_box, median};
 
 /// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
 /// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
-const OF_MEDIAN: f64 = 1e-3;
+const MEDIAN_RATIO: f64 = 1e-3;
 
 /// Upper bound of the merging tolerance, as a fraction of the sheet's diagonal, for drawings whose lines run right
 /// across the sheet.
-const OF_DIAGONAL: f64 = 1e-4;
+const DIAGONAL_RATIO: f64 = 1e-4;
 
 /// Lower bound of the merging tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_RATIO: f64 = 1e-9;
 
 /// Budget of proximity tests: the first number for each line, but in all at least the second. If all lines are in one
 /// place, each is near all others. Tessellations need some hundreds for each line.
-const LOOKS: [usize; 2] = [1 << 11, 1 << 28];
+const MAX_LOOKS: [usize; 2] = [1 << 11, 1 << 28];
 
 /// Largest number of rounds of splitting. A split moves lines by up to the tolerance, which may make them cross anew.
-const ROUNDS: usize = 8;
+const MAX_SPLITTING_ROUNDS: usize = 8;
 
 /// Largest number of rounds of joining open ends. An end that is joined may move a line to which another end was joined.
-const JOINS: usize = 4;
+const MAX_JOINING_ROUNDS: usize = 4;
 
 /// Precedence of a letter where lines lie on each other; the line of the highest precedence is kept. A border ranks
 /// below creases: on the rim the faces alone show that it is a border, and inside the sheet the line drawn to be cut or
@@ -61,39 +64,23 @@ pub(super) fn planar(
     asked: Option<f64>,
     watch: Watch<'_>,
 ) -> Option<(Drawing, Repairs)> {
-    if segments.len() > MOST {
+    if segments.len() > MAX_LINES {
         return None;
     }
-    let [low, high] = bounds(&segments);
+    let ends = segments.iter().flat_map(|segment| segment.ends);
+    let (low, high) = bounding_box(ends).unwrap_or_default();
     let diagonal = (high - low).norm();
-    let usual = tolerance(&segments).max(4.0 * rounding);
+    let usual = usual_tolerance(&segments, diagonal).max(4.0 * rounding);
     // Differences within rounding are no differences, whatever the caller chose.
-    let least = (ROUNDING * diagonal).max(4.0 * rounding);
+    let least = (ROUNDING_RATIO * diagonal).max(4.0 * rounding);
     let tolerance = asked.map_or(usual, |asked| asked.max(least));
     let mut repairs = Repairs {
         tolerance,
         least_tolerance: tolerance.min(usual),
         ..Repairs::default()
     };
-    let mut places = Places::new(tolerance, low);
-    let mut pieces: Vec<DrawnEdge> = segments
-        .iter()
-        .map(|segment| DrawnEdge {
-            ends: segment.ends.map(|end| places.at(end)),
-            letter: segment.letter,
-            goal: segment.goal,
-        })
-        .collect();
-    places.centre();
-    for (segment, piece) in segments.iter().zip(&pieces) {
-        for (end, vertex) in segment.ends.iter().zip(piece.ends) {
-            let moved = (places.points[vertex] - end).norm();
-            repairs.moved += usize::from(moved > 0.0);
-            repairs.farthest = repairs.farthest.max(moved);
-        }
-    }
-    pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
-    repairs.short = segments.len() - pieces.len();
+    let (mut places, mut pieces) =
+        merged_ends(&segments, Places::new(tolerance, low), &mut repairs);
     drop(segments);
     deduplicate(&mut pieces, &mut repairs);
     let mut looks = Looks::for_lines(pieces.len(), watch);
@@ -111,7 +98,7 @@ pub(super) fn planar(
         pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     }
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
-    for _ in 0..JOINS {
+    for _ in 0..MAX_JOINING_ROUNDS {
         let to_vertices =
             join_to_vertices(&mut places, &mut pieces, diagonal, &mut repairs, &mut looks)?;
         let within = LineReach::Only { diagonal };
@@ -131,10 +118,39 @@ pub(super) fn planar(
     }
     // Each crossing has split at least two lines.
     repairs.passed = repairs.passed.saturating_sub(2 * repairs.crossings);
-    repairs.missing_borders =
-        missing_borders(&places.points, &pieces, 2.0 * tolerance, OPEN * diagonal);
+    repairs.missing_borders = missing_borders(
+        &places.points,
+        &pieces,
+        2.0 * tolerance,
+        MAX_OF_DIAGONAL_RATIO * diagonal,
+    );
     repairs.removed = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
+}
+
+/// Makes one vertex of ends within the tolerance of each other. Returns the vertices and the lines that have a length.
+fn merged_ends(
+    segments: &[Segment],
+    mut places: Places,
+    repairs: &mut Repairs,
+) -> (Places, Vec<DrawnEdge>) {
+    let pieces = segments.iter().map(|segment| DrawnEdge {
+        ends: segment.ends.map(|end| places.at(end)),
+        letter: segment.letter,
+        goal: segment.goal,
+    });
+    let mut pieces: Vec<DrawnEdge> = pieces.collect();
+    places.centre();
+    for (segment, piece) in segments.iter().zip(&pieces) {
+        for (end, vertex) in segment.ends.iter().zip(piece.ends) {
+            let moved = (places.points[vertex] - end).norm();
+            repairs.moved += usize::from(moved > 0.0);
+            repairs.farthest = repairs.farthest.max(moved);
+        }
+    }
+    pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
+    repairs.short = segments.len() - pieces.len();
+    (places, pieces)
 }
 
 /// Number of proximity tests that are still allowed, none once the caller cancels.
@@ -146,7 +162,7 @@ pub(super) struct Looks<'a> {
 impl<'a> Looks<'a> {
     /// Returns the budget for a drawing of `lines` lines.
     pub(super) fn for_lines(lines: usize, watch: Watch<'a>) -> Self {
-        let left = LOOKS[1].max(LOOKS[0] * lines);
+        let left = MAX_LOOKS[1].max(MAX_LOOKS[0] * lines);
         Self { left, watch }
     }
 
@@ -168,7 +184,7 @@ fn cut_up(
     looks: &mut Looks<'_>,
 ) -> Option<()> {
     let tolerance = places.tolerance;
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_SPLITTING_ROUNDS {
         let before = places.points.len();
         for crossing in crossings(&places.points, pieces, tolerance, looks)? {
             places.at(crossing);
@@ -186,27 +202,15 @@ fn cut_up(
     Some(())
 }
 
-fn bounds(segments: &[Segment]) -> [Vector2<f64>; 2] {
-    let mut ends = segments.iter().flat_map(|segment| segment.ends);
-    let first = ends.next().unwrap_or_default();
-    ends.fold([first; 2], |[low, high], end| {
-        [low.inf(&end), high.sup(&end)]
-    })
-}
-
-fn tolerance(segments: &[Segment]) -> f64 {
-    let [low, high] = bounds(segments);
-    let diagonal = (high - low).norm();
+/// Returns the usual merging tolerance of a drawing of this diagonal.
+fn usual_tolerance(segments: &[Segment], diagonal: f64) -> f64 {
     let lengths = segments.iter().map(|s| (s.ends[1] - s.ends[0]).norm());
-    let mut lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
-    if lengths.is_empty() {
-        return 0.0;
-    }
-    let middle = lengths.len() / 2;
-    let median = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
-    (OF_MEDIAN * median)
-        .min(OF_DIAGONAL * diagonal)
-        .max(ROUNDING * diagonal)
+    let median = median(lengths.filter(|length| *length > 0.0));
+    median.map_or(0.0, |median| {
+        (MEDIAN_RATIO * median)
+            .min(DIAGONAL_RATIO * diagonal)
+            .max(ROUNDING_RATIO * diagonal)
+    })
 }
 
 /// Keeps one of all lines between the same two vertices: the line of highest precedence, or else the first.
@@ -304,7 +308,7 @@ fn crossings(
                 }
                 found.extend(crossing(one, line(points, &pieces[other]), tolerance));
             }
-            too_many |= found.len() > MOST || looks.are_used_up();
+            too_many |= found.len() > MAX_LINES || looks.are_used_up();
         });
         if too_many {
             return None;
@@ -369,7 +373,7 @@ fn split(places: &Places, pieces: &[DrawnEdge], looks: &mut Looks<'_>) -> Option
             });
             from = to;
         }
-        if result.len() > MOST || looks.are_used_up() {
+        if result.len() > MAX_LINES || looks.are_used_up() {
             return None;
         }
     }

@@ -4,12 +4,12 @@
 use svgtypes::{Error, Length, NumberListParser, PathParser};
 use usvg::roxmltree::{Document, Node};
 
-use super::effort::sum;
-use crate::read::error::Wrong;
+use super::limits::sum;
+use crate::read::error::{Wrong, quoted};
 
 /// Largest absolute value of a number: far below the limit of single precision, whatever the number is multiplied by or
 /// added to.
-const LARGEST: f64 = 1e30;
+const MAX_NUMBER: f64 = 1e30;
 
 /// Returns an error at the first number that is invalid or too large.
 pub(super) fn check(document: &Document<'_>) -> Result<(), Wrong> {
@@ -46,13 +46,12 @@ fn of_attribute(document: &Document<'_>, node: Node<'_, '_>, name: &str) -> Resu
     // Entities are longer than the text that they stand for.
     let within = if written.len() == value.len() { at } else { 0 };
     let place = document.text_pos_at(written.start + within);
-    let found: String = value[at..].chars().take(40).collect();
     Err((
         format!("line {}, column {}", place.row, place.col),
-        format!("{name} to be {what} from -{LARGEST:e} to {LARGEST:e}"),
-        match found.as_str() {
+        format!("{name} to be {what} from -{MAX_NUMBER:e} to {MAX_NUMBER:e}"),
+        match &value[at..] {
             "" => "its end".into(),
-            found => format!("\"{found}\""),
+            found => quoted(found),
         },
     ))
 }
@@ -77,7 +76,7 @@ fn data(value: &str) -> Right {
 }
 
 fn small(number: f64) -> Right {
-    (number <= LARGEST).then_some(()).ok_or(0)
+    (number <= MAX_NUMBER).then_some(()).ok_or(0)
 }
 
 /// Returns the number of characters before an error. The parser counts characters from 1.

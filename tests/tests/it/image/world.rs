@@ -368,7 +368,7 @@ impl<'a> World<'a> {
             let host = self.host();
             let phase = host.driver.sender().phase();
             assert!(!matches!(phase, Phase::Failed(_)), "{phase:?}");
-            assert_eq!(host.driver.astray(), None);
+            assert_eq!(host.driver.off_path(), None);
             let done = self.sight.is_some_and(|sight| sight.state == State::Done);
             if done && host.driver.is_done() {
                 break;

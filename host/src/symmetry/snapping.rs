@@ -14,23 +14,23 @@ use foldpath_core::Spoke;
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of spokes of a star for which all even sets of spokes are examined.
-const MOST_SPOKES: usize = 12;
+const MAX_SPOKES: usize = 12;
 /// Narrowest sector of a star that is corrected, in multiples of the tolerance `within`.
-const NARROW: f64 = 4.0;
+const NARROW_TOLERANCES: f64 = 4.0;
 /// Error (radians) of a direction that comes from its representation in floating point alone.
-const BITS: f64 = 1e-15;
+const FLOAT_ERROR_RAD: f64 = 1e-15;
 /// Fraction of the largest eigenvalue below which an eigenvalue counts as zero. The equations have integer
 /// coefficients.
-const RANK: f64 = 1e-9;
+const RANK_RATIO: f64 = 1e-9;
 
 /// Turns the spokes by least angles such that every set of spokes folds flat exactly that nearly does, with an error of
 /// at most `within` (radians) for each two spokes. Returns the angle (radians) by which each spoke is turned. A star in
 /// which two spokes nearly point the same way is left as it is.
-pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
+pub(super) fn snap(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
     let bearings: Vec<f64> = spokes.iter().map(bearing).collect();
     let n = bearings.len();
     let sector = |k: usize| bearings[if k + 1 < n { k + 1 } else { 0 }] - bearings[k];
-    let narrow = |k: usize| sector(k).rem_euclid(2.0 * PI) <= NARROW * within;
+    let narrow = |k: usize| sector(k).rem_euclid(2.0 * PI) <= NARROW_TOLERANCES * within;
     if n < 2 || (0..n).any(narrow) {
         return vec![0.0; n];
     }
@@ -53,7 +53,7 @@ pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
         }
     }
     let eigen = squares.symmetric_eigen();
-    let least = RANK * eigen.eigenvalues.amax();
+    let least = RANK_RATIO * eigen.eigenvalues.amax();
     let mut turns = DVector::zeros(n);
     for (value, vector) in eigen
         .eigenvalues
@@ -64,7 +64,7 @@ pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
             turns.axpy(vector.dot(&right) / value, &vector, 1.0);
         }
     }
-    if turns.amax() <= BITS {
+    if turns.amax() <= FLOAT_ERROR_RAD {
         return vec![0.0; n];
     }
     for ((spoke, bearing), turn) in spokes.iter_mut().zip(bearings).zip(turns.iter()) {
@@ -72,7 +72,10 @@ pub(super) fn unround(spokes: &mut [Spoke<f64>], within: f64) -> Vec<f64> {
         spoke.direction = [cos, sin];
     }
     // The rounding of the new direction adds to the turn.
-    turns.iter().map(|turn| turn.abs() + BITS).collect()
+    turns
+        .iter()
+        .map(|turn| turn.abs() + FLOAT_ERROR_RAD)
+        .collect()
 }
 
 /// Returns the direction of a spoke as an angle, radians.
@@ -80,10 +83,10 @@ fn bearing(spoke: &Spoke<f64>) -> f64 {
     spoke.direction[1].atan2(spoke.direction[0])
 }
 
-/// Returns all sets of an even number of spokes, in cyclic order. For more than [`MOST_SPOKES`] spokes, returns only
+/// Returns all sets of an even number of spokes, in cyclic order. For more than [`MAX_SPOKES`] spokes, returns only
 /// the pairs and the set of all spokes.
 fn sets(n: usize) -> Vec<Vec<usize>> {
-    if n <= MOST_SPOKES {
+    if n <= MAX_SPOKES {
         let even = (1..1_u32 << n).filter(|set| set.count_ones() % 2 == 0);
         return even
             .map(|set| (0..n).filter(|k| set >> k & 1 == 1).collect())
@@ -144,7 +147,7 @@ mod tests {
                 .map(|(meant, off)| meant + scale * off);
             let mut spokes = star(&rounded.collect::<Vec<_>>());
             assert_eq!(flat(&spokes), [[0; 0]; 0]);
-            let turned = unround(&mut spokes, 1e-4);
+            let turned = snap(&mut spokes, 1e-4);
             let turned = turned.into_iter().fold(0.0, f64::max).to_degrees();
             assert!(turned > 0.0 && turned <= scale, "{meant:?}: {turned:e}");
             assert!(!flat(&spokes).is_empty());
@@ -156,7 +159,7 @@ mod tests {
     fn what_is_far_from_it_is_left_to_the_last_bit() {
         for bearings in [&[0.0, 50.0, 170.0, 300.0][..], &[0.0, 1e-4, 180.0, 270.0]] {
             let mut spokes = star(bearings);
-            assert!(unround(&mut spokes, 1e-4).iter().all(|turn| *turn <= 0.0));
+            assert!(snap(&mut spokes, 1e-4).iter().all(|turn| *turn <= 0.0));
             let same = spokes.iter().zip(star(bearings));
             let bits = |spoke: &Spoke<f64>| spoke.direction.map(f64::to_bits);
             assert!(same.clone().all(|(a, b)| bits(a) == bits(&b)));

@@ -8,18 +8,18 @@ use std::collections::HashMap;
 use usvg::roxmltree::{Document, Node};
 
 /// Largest number of bytes that entities may expand to, if every reference expands to all entity texts.
-const ENTITIES: usize = 1 << 28;
+const MAX_ENTITY_BYTES: usize = 1 << 28;
 
 /// Largest number of namespace declarations: each element that declares a namespace has a list of all that are in
 /// scope.
-const NAMESPACES: usize = 1 << 13;
+const MAX_NAMESPACES: usize = 1 << 13;
 
 /// Largest number of elements, uses expanded. usvg takes about a kilobyte for each.
-const ELEMENTS: u64 = 1 << 19;
+const MAX_ELEMENTS: u64 = 1 << 19;
 
 /// Largest sum of the bytes of attributes and the cubics that arcs are made of, uses expanded. usvg takes about 50
 /// bytes for each of them in a long path.
-const ATTRIBUTES: u64 = 1 << 25;
+const MAX_ATTRIBUTE_BYTES: u64 = 1 << 25;
 
 /// Attributes that bound the size of an arc.
 const LENGTHS: [&str; 11] = [
@@ -27,10 +27,10 @@ const LENGTHS: [&str; 11] = [
 ];
 
 /// Largest depth of nested elements, uses expanded: usvg recurses once for each level.
-const LEVELS: u64 = 256;
+const MAX_LEVELS: u64 = 256;
 
 /// Largest number of comparisons of selectors with elements.
-const COMPARISONS: u64 = 1 << 30;
+const MAX_COMPARISONS: u64 = 1 << 30;
 
 /// Checks a text before it is parsed. The error describes the excess.
 pub(super) fn of_text(text: &str) -> Result<(), String> {
@@ -41,11 +41,13 @@ pub(super) fn of_text(text: &str) -> Result<(), String> {
         .sum();
     let references = text.bytes().filter(|byte| *byte == b'&').count();
     let grown = entities.saturating_mul(256).saturating_mul(references);
-    if grown > ENTITIES {
+    if grown > MAX_ENTITY_BYTES {
         return Err("entities that could grow beyond all bounds".into());
     }
-    if text.matches("xmlns").take(NAMESPACES + 1).count() > NAMESPACES {
-        return Err(format!("more than {NAMESPACES} declarations of namespaces"));
+    if text.matches("xmlns").take(MAX_NAMESPACES + 1).count() > MAX_NAMESPACES {
+        return Err(format!(
+            "more than {MAX_NAMESPACES} declarations of namespaces"
+        ));
     }
     Ok(())
 }
@@ -70,18 +72,20 @@ pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
         attributes,
         levels,
     } = expanded(document)?;
-    if levels > LEVELS {
+    if levels > MAX_LEVELS {
         return Err(format!(
-            "more than {LEVELS} levels of elements, each use counted"
+            "more than {MAX_LEVELS} levels of elements, each use counted"
         ));
     }
-    if elements > ELEMENTS {
-        return Err(format!("more than {ELEMENTS} elements, each use counted"));
+    if elements > MAX_ELEMENTS {
+        return Err(format!(
+            "more than {MAX_ELEMENTS} elements, each use counted"
+        ));
     }
-    if attributes > ATTRIBUTES {
+    if attributes > MAX_ATTRIBUTE_BYTES {
         return Err(format!(
             "more than {} MiB of attributes and of arcs, each use counted",
-            ATTRIBUTES >> 20
+            MAX_ATTRIBUTE_BYTES >> 20
         ));
     }
     let styles = document.descendants().filter(|n| n.has_tag_name("style"));
@@ -89,7 +93,7 @@ pub(super) fn of_document(document: &Document<'_>) -> Result<(), String> {
     let once: u64 = styles
         .map(|style| comparisons(style, levels))
         .fold(0, u64::saturating_add);
-    if once.saturating_mul(elements) > COMPARISONS {
+    if once.saturating_mul(elements) > MAX_COMPARISONS {
         return Err(
             "style sheets whose selectors take too long to compare with its elements".into(),
         );
@@ -110,20 +114,13 @@ struct Size {
     levels: u64,
 }
 
-/// Returns the size of the document with all uses expanded.
-///
-/// A stroke may be painted with a pattern or gradient, which usvg then copies for each element. Patterns in patterns
-/// would be copies of copies, and are refused.
-fn expanded(document: &Document<'_>) -> Result<Size, String> {
+/// Returns the size of the paint that usvg copies for each element: patterns and gradients, if a stroke is painted with
+/// any of them. Patterns in patterns would be copies of copies, and are refused.
+fn copied_paint(document: &Document<'_>, cubics: u64) -> Result<u64, String> {
     let nodes = document.descendants();
-    let mut ids = HashMap::new();
     let mut in_paint = vec![false; nodes.len()];
     let (mut painted, mut painted_paint, mut patterns, mut paint) = (false, false, false, 0_u64);
-    let cubics = cubics(nodes.clone().map(reach).sum());
-    for node in nodes.clone() {
-        if let Some(id) = node.attribute("id") {
-            ids.entry(id).or_insert(node);
-        }
+    for node in nodes {
         let name = node.tag_name().name();
         let is_in_paint = matches!(name, "pattern" | "linearGradient" | "radialGradient")
             || node.parent().is_some_and(|parent| in_paint[index(parent)]);
@@ -148,7 +145,20 @@ fn expanded(document: &Document<'_>) -> Result<Size, String> {
     if painted_paint && patterns {
         return Err("strokes with a pattern in what may be a pattern".into());
     }
-    let each = if painted { paint } else { 0 };
+    Ok(if painted { paint } else { 0 })
+}
+
+/// Returns the size of the document with all uses expanded.
+fn expanded(document: &Document<'_>) -> Result<Size, String> {
+    let nodes = document.descendants();
+    let cubics = cubics(nodes.clone().map(reach).sum());
+    let each = copied_paint(document, cubics)?;
+    let mut ids = HashMap::new();
+    for node in nodes.clone() {
+        if let Some(id) = node.attribute("id") {
+            ids.entry(id).or_insert(node);
+        }
+    }
     let mut done: Vec<Option<Size>> = vec![None; nodes.len()];
     let mut begun = vec![false; nodes.len()];
     let mut open = vec![document.root()];

@@ -36,13 +36,13 @@ pub fn alone<T>(work: impl FnOnce() -> T) -> T {
 }
 
 /// Returns the time that `count` items of work take, each of which takes about `each`.
-pub(crate) fn total_time(count: usize, each: Duration) -> Duration {
+pub fn total_time(count: usize, each: Duration) -> Duration {
     each.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
 }
 
 /// Returns `true` if there are threads to share with, and `count` items of work, each of which takes about `each`, are
 /// worth sharing. A pool is made only if they are.
-pub(crate) fn is_shared(count: usize, each: Duration) -> bool {
+pub fn is_shared(count: usize, each: Duration) -> bool {
     count > 1
         && total_time(count, each) >= MIN_SHARED
         && !ALONE.get()
@@ -50,17 +50,13 @@ pub(crate) fn is_shared(count: usize, each: Duration) -> bool {
 }
 
 /// Returns what `work` makes of each item, in order. `each` is about the time that an item takes.
-pub(crate) fn map<T: Sync, R: Send>(
-    items: &[T],
-    each: Duration,
-    work: impl Fn(&T) -> R + Sync,
-) -> Vec<R> {
+pub fn map<T: Sync, R: Send>(items: &[T], each: Duration, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     map_with(items, each, || (), |(), item| work(item))
 }
 
 /// Returns what `work` makes of each item, in order. Each thread has a workspace of its own, which must not change what
 /// is returned. `each` is about the time that an item takes.
-pub(crate) fn map_with<S, T: Sync, R: Send>(
+pub fn map_with<S, T: Sync, R: Send>(
     items: &[T],
     each: Duration,
     workspace: impl Fn() -> S + Sync,
@@ -80,7 +76,7 @@ pub(crate) fn map_with<S, T: Sync, R: Send>(
 
 /// Replaces `results` by what `work` makes of each index below `count`. `each` is about the time that an index takes.
 /// Allocates only if there are threads to share with, or there is no room yet.
-pub(crate) fn collect<R: Send>(
+pub fn collect<R: Send>(
     results: &mut Vec<R>,
     count: usize,
     each: Duration,
@@ -96,7 +92,7 @@ pub(crate) fn collect<R: Send>(
 }
 
 /// Returns `true` if `holds` returns `true` for each index below `count`. `each` is about the time that an index takes.
-pub(crate) fn all(count: usize, each: Duration, holds: impl Fn(usize) -> bool + Sync) -> bool {
+pub fn all(count: usize, each: Duration, holds: impl Fn(usize) -> bool + Sync) -> bool {
     if is_shared(count, each) {
         (0..count).into_par_iter().all(&holds)
     } else {
@@ -106,7 +102,7 @@ pub(crate) fn all(count: usize, each: Duration, holds: impl Fn(usize) -> bool + 
 
 /// Returns what `work` makes of each item, in order, or `None` if it makes `None` of one. `each` is about the time that an
 /// item takes.
-pub(crate) fn try_map_mut<T: Send, R: Send>(
+pub fn try_map_mut<T: Send, R: Send>(
     items: &mut [T],
     each: Duration,
     work: impl Fn(&mut T) -> Option<R> + Sync,
@@ -119,11 +115,7 @@ pub(crate) fn try_map_mut<T: Send, R: Send>(
 }
 
 /// Lets `work` change each item, of which it gets the index too. `each` is about the time that an item takes.
-pub(crate) fn change<R: Send>(
-    items: &mut [R],
-    each: Duration,
-    work: impl Fn(usize, &mut R) + Sync,
-) {
+pub fn change<R: Send>(items: &mut [R], each: Duration, work: impl Fn(usize, &mut R) + Sync) {
     if is_shared(items.len(), each) {
         let chunk = chunk(items.len());
         let items = items.par_iter_mut().with_min_len(chunk).enumerate();

@@ -19,10 +19,9 @@
 use core::ops::Range;
 use core::time::Duration;
 
-use super::elimination_tree::{EliminationTree, branches};
-use crate::progress::Watch;
-use crate::util::csr::{Csr, group_by_key};
-use crate::util::parallel;
+use crate::csr::{Csr, group_by_key};
+use crate::elimination_tree::{EliminationTree, branches};
+use crate::parallel;
 
 /// Number of multiplications after which a factorisation looks at the time: about 10 ms.
 const OPERATIONS_PER_LOOK: usize = 10_000_000;
@@ -30,7 +29,7 @@ const OPERATIONS_PER_LOOK: usize = 10_000_000;
 const MIN_BRANCHED_OPERATIONS: u64 = 2_000_000;
 
 /// Pattern of L, with the places of the entries of A that each of its rows starts from.
-pub(crate) struct Symbolic {
+pub struct Symbolic {
     /// The row and column of A that is eliminated at each position.
     order: Vec<u32>,
     /// For each position, the place in the values of A of its diagonal entry.
@@ -49,6 +48,24 @@ pub(crate) struct Symbolic {
     in_trunk: Vec<bool>,
     /// If there are branches, for each row outside of them, the columns of its reach that are outside of them, too.
     trunk: Option<Csr<u32>>,
+}
+
+/// Tells from time to time if a factorisation has to end.
+struct Interrupt<'a> {
+    /// Returns `true` once it has to end.
+    is_over: &'a (dyn Fn() -> bool + Sync),
+    /// Number of multiplications since this was asked.
+    operations: usize,
+}
+
+/// What a branch adds to the rows beyond it.
+struct Update<'u> {
+    /// The rows beyond the branch that its last column has entries in.
+    rows: &'u [u32],
+    /// Number of these rows that are computed.
+    done: usize,
+    /// Changes of the other rows: of the entries in the columns `rows`, row after row, each with the diagonal last.
+    changes: &'u [f64],
 }
 
 /// The columns of a range, with the values of L in them.
@@ -70,7 +87,7 @@ struct Entry {
 }
 
 /// Values of L, with the workspace that computes them.
-pub(crate) struct Factor {
+pub struct Factor {
     /// Entries below the diagonal, laid out as [`Symbolic::columns`].
     below: Vec<f64>,
     /// Reciprocals of the diagonal entries.
@@ -86,7 +103,7 @@ impl Symbolic {
     /// column j has the rows `rows[column_ends[j]..column_ends[j + 1]]`, sorted, of which the first is j.
     ///
     /// Returns `None` if the matrix has too many entries to number them in 31 bits.
-    pub(crate) fn new(column_ends: &[u32], rows: &[u32]) -> Option<Self> {
+    pub fn new(column_ends: &[u32], rows: &[u32]) -> Option<Self> {
         let signed = |numbers: &[u32]| -> Option<Vec<i32>> {
             let numbers = numbers.iter().map(|&number| i32::try_from(number).ok());
             numbers.collect()
@@ -174,17 +191,29 @@ impl Symbolic {
     }
 
     /// Computes L for the matrix with these values plus `damping` times the identity. Returns `false` if the matrix is
-    /// not positive definite to rounding or the `watch` is over; then the factor must not be used.
-    pub(crate) fn factorise(
+    /// not positive definite to rounding or `is_over` returns `true`; then the factor must not be used.
+    #[must_use]
+    pub fn factorise(
         &self,
         values: &[f64],
         damping: f64,
         factor: &mut Factor,
-        watch: Watch<'_>,
+        is_over: &(dyn Fn() -> bool + Sync),
     ) -> bool {
-        if watch.is_over() {
-            return false;
-        }
+        !is_over()
+            && self
+                .try_factorise(values, damping, factor, is_over)
+                .is_some()
+    }
+
+    /// As [`factorise`](Self::factorise), with `None` for `false`.
+    fn try_factorise(
+        &self,
+        values: &[f64],
+        damping: f64,
+        factor: &mut Factor,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Option<()> {
         let Factor {
             below,
             reciprocals,
@@ -203,52 +232,39 @@ impl Symbolic {
             next,
         };
         let mut parts = self.parts(&mut all);
-        let updates = parallel::try_map_mut(&mut parts, Duration::MAX, |columns| {
-            self.factorise_branch(values, damping, columns, watch)
-        });
-        let Some(updates) = updates else {
-            return false;
-        };
-        // For each branch, the rows that it has a part in and the entries of its update that are not used yet.
-        let mut updates: Vec<_> = self
-            .branches
-            .iter()
-            .zip(&updates)
-            .map(|(branch, update)| (&self.columns[branch.end - 1], 0, &update[..]))
+        let changes = parallel::try_map_mut(&mut parts, Duration::MAX, |columns| {
+            self.factorise_branch(values, damping, columns, Interrupt::new(is_over))
+        })?;
+        let updates = self.branches.iter().zip(&changes);
+        let mut updates: Vec<_> = updates
+            .map(|(branch, changes)| Update {
+                rows: &self.columns[branch.end - 1],
+                done: 0,
+                changes,
+            })
             .collect();
         let reach = self.trunk.as_ref().unwrap_or(&self.reach);
-        let mut looked = 0;
+        let mut interrupt = Interrupt::new(is_over);
         for k in (0..self.order.len()).filter(|&k| self.in_trunk[k]) {
-            if looked >= OPERATIONS_PER_LOOK {
-                looked = 0;
-                if watch.is_over() {
-                    return false;
-                }
-            }
-            for entry in &self.entries[k] {
-                if self.in_trunk[entry.column as usize] {
-                    x[entry.column as usize] = values[entry.place as usize];
-                }
-            }
+            self.start_row(k, values, x, |column| self.in_trunk[column]);
             let mut pivot = values[self.diagonal[k] as usize] + damping;
-            for (rows, done, update) in &mut updates {
-                if rows.get(*done).is_none_or(|&row| row as usize != k) {
-                    continue;
-                }
-                let (here, rest) = update.split_at(*done + 1);
-                for (&row, change) in rows[..*done].iter().zip(here) {
-                    x[row as usize] += change;
-                }
-                pivot += here[*done];
-                (*done, *update) = (*done + 1, rest);
+            for update in &mut updates {
+                update.add_to_row(k, x, &mut pivot);
             }
-            looked += all.eliminate(self, &reach[k], x, &mut pivot);
-            if pivot.is_nan() || pivot <= 0.0 {
-                return false;
-            }
-            all.reciprocals[k] = 1.0 / pivot.sqrt();
+            let operations = all.finish_row(self, k, &reach[k], x, pivot)?;
+            interrupt.look_after(operations)?;
         }
-        true
+        Some(())
+    }
+
+    /// Copies the entries of row `k` of P A Pᵀ in the columns `within` to `x`.
+    fn start_row(&self, k: usize, values: &[f64], x: &mut [f64], within: impl Fn(usize) -> bool) {
+        for entry in &self.entries[k] {
+            let column = entry.column as usize;
+            if within(column) {
+                x[column] = values[entry.place as usize];
+            }
+        }
     }
 
     /// Returns the columns of each branch.
@@ -272,67 +288,46 @@ impl Symbolic {
         parts.collect()
     }
 
-    /// Factorises a branch and the parts of the rows beyond it that are in its columns. Returns what these parts take
-    /// from the rest of each of these rows, the diagonal included, row after row. Returns `None` if a pivot is not
-    /// positive or the watch is over.
+    /// Factorises a branch and the parts of the rows beyond it that are in its columns. Returns the changes that these
+    /// parts make to the rest of their rows, as [`Update::changes`]. Returns `None` if a pivot is not positive or the
+    /// factorisation has to end.
     fn factorise_branch(
         &self,
         values: &[f64],
         damping: f64,
         columns: &mut Columns<'_>,
-        watch: Watch<'_>,
+        mut interrupt: Interrupt<'_>,
     ) -> Option<Vec<f64>> {
         let branch = columns.first..columns.first + columns.next.len();
         let mut x = vec![0.0; self.order.len()];
-        let mut looked = 0;
         for k in branch.clone() {
-            if looked >= OPERATIONS_PER_LOOK {
-                looked = 0;
-                if watch.is_over() {
-                    return None;
-                }
-            }
-            for entry in &self.entries[k] {
-                x[entry.column as usize] = values[entry.place as usize];
-            }
-            let mut pivot = values[self.diagonal[k] as usize] + damping;
-            looked += columns.eliminate(self, &self.reach[k], &mut x, &mut pivot);
-            if pivot.is_nan() || pivot <= 0.0 {
-                return None;
-            }
-            columns.reciprocals[k - branch.start] = 1.0 / pivot.sqrt();
+            self.start_row(k, values, &mut x, |_| true);
+            let pivot = values[self.diagonal[k] as usize] + damping;
+            let operations = columns.finish_row(self, k, &self.reach[k], &mut x, pivot)?;
+            interrupt.look_after(operations)?;
         }
         let rows = &self.columns[branch.end - 1];
-        let mut update = Vec::with_capacity(rows.len() * (rows.len() + 1) / 2);
+        let mut changes = Vec::with_capacity(rows.len() * (rows.len() + 1) / 2);
         for (count, &k) in rows.iter().enumerate() {
-            if looked >= OPERATIONS_PER_LOOK {
-                looked = 0;
-                if watch.is_over() {
-                    return None;
-                }
-            }
             let k = k as usize;
-            for entry in &self.entries[k] {
-                if branch.contains(&(entry.column as usize)) {
-                    x[entry.column as usize] = values[entry.place as usize];
-                }
-            }
+            self.start_row(k, values, &mut x, |column| branch.contains(&column));
             let reach = &self.reach[k];
             let [from, to] = [branch.start, branch.end]
                 .map(|end| reach.partition_point(|&column| (column as usize) < end));
             let mut pivot = 0.0;
-            looked += columns.eliminate(self, &reach[from..to], &mut x, &mut pivot);
+            let operations = columns.eliminate(self, &reach[from..to], &mut x, &mut pivot);
             let taken = rows[..count]
                 .iter()
                 .map(|&row| core::mem::take(&mut x[row as usize]));
-            update.extend(taken);
-            update.push(pivot);
+            changes.extend(taken);
+            changes.push(pivot);
+            interrupt.look_after(operations)?;
         }
-        Some(update)
+        Some(changes)
     }
 
     /// Replaces the right side b by the solution x of A x = b.
-    pub(crate) fn solve(&self, factor: &mut Factor, right_side: &mut [f64]) {
+    pub fn solve(&self, factor: &mut Factor, right_side: &mut [f64]) {
         let x = &mut factor.row;
         for (x, &k) in x.iter_mut().zip(&self.order) {
             *x = right_side[k as usize];
@@ -359,7 +354,60 @@ impl Symbolic {
     }
 }
 
+impl<'a> Interrupt<'a> {
+    fn new(is_over: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self {
+            is_over,
+            operations: 0,
+        }
+    }
+
+    /// Counts multiplications. Returns `None` if the factorisation has to end.
+    fn look_after(&mut self, operations: usize) -> Option<()> {
+        self.operations += operations;
+        if self.operations < OPERATIONS_PER_LOOK {
+            return Some(());
+        }
+        self.operations = 0;
+        (!(self.is_over)()).then_some(())
+    }
+}
+
+impl Update<'_> {
+    /// Adds the changes of row `k` to `x` and `pivot`, if this is the next row of the branch.
+    fn add_to_row(&mut self, k: usize, x: &mut [f64], pivot: &mut f64) {
+        if self
+            .rows
+            .get(self.done)
+            .is_none_or(|&row| row as usize != k)
+        {
+            return;
+        }
+        let (here, rest) = self.changes.split_at(self.done + 1);
+        for (&row, change) in self.rows[..self.done].iter().zip(here) {
+            x[row as usize] += change;
+        }
+        *pivot += here[self.done];
+        (self.done, self.changes) = (self.done + 1, rest);
+    }
+}
+
 impl Columns<'_> {
+    /// Computes row `k` of L from the row `x` of the rest of the matrix and its `pivot`. Returns the number of
+    /// multiplications, or `None` if the pivot does not stay positive.
+    fn finish_row(
+        &mut self,
+        symbolic: &Symbolic,
+        k: usize,
+        columns: &[u32],
+        x: &mut [f64],
+        mut pivot: f64,
+    ) -> Option<usize> {
+        let operations = self.eliminate(symbolic, columns, x, &mut pivot);
+        self.reciprocals[k - self.first] = 1.0 / pivot.sqrt();
+        (pivot > 0.0).then_some(operations)
+    }
+
     /// Computes the next entries of L in these `columns`, from the row `x`, takes them out of the rest of `x`, and takes
     /// their squares from the `pivot`. Returns the number of multiplications.
     fn eliminate(
@@ -400,7 +448,7 @@ fn split_off<'f, T>(items: &mut &'f mut [T], first: usize, range: &Range<usize>)
 
 impl Factor {
     /// Makes memory for the factor of a matrix with this pattern.
-    pub(crate) fn new(symbolic: &Symbolic) -> Self {
+    pub fn new(symbolic: &Symbolic) -> Self {
         let n = symbolic.order.len();
         Self {
             below: vec![0.0; symbolic.columns.items().len()],
@@ -449,7 +497,6 @@ mod tests {
     use rand_pcg::rand_core::Rng;
 
     use super::*;
-    use crate::progress::Progress;
 
     /// Makes a random symmetric matrix with about this many entries in a row, and a diagonal that makes it positive
     /// definite. Returns it as compressed sparse columns of the lower triangle, and dense.
@@ -496,7 +543,7 @@ mod tests {
             let mut factor = Factor::new(&symbolic);
             // The second damping uses the memory of the first.
             for damping in [3.0, 0.0] {
-                assert!(symbolic.factorise(&values, damping, &mut factor, Watch::default()));
+                assert!(symbolic.factorise(&values, damping, &mut factor, &|| false));
                 let right_side: Vec<f64> = (0..n).map(|k| 1.0 / (1.0 + k as f64)).collect();
                 let mut solution = right_side.clone();
                 symbolic.solve(&mut factor, &mut solution);
@@ -513,24 +560,21 @@ mod tests {
         let (ends, rows, mut values, _) = matrix(60, 4, 7);
         let symbolic = Symbolic::new(&ends, &rows).unwrap();
         let mut factor = Factor::new(&symbolic);
-        assert!(symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+        assert!(symbolic.factorise(&values, 0.0, &mut factor, &|| false));
         let place = ends[20] as usize;
         let diagonal = core::mem::replace(&mut values[place], -1.0);
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, &|| false));
         values[place] = f64::NAN;
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, &|| false));
         // Neither does time that is up.
-        let progress = Progress::new();
-        progress.cancel();
-        let over = Watch::new(&progress);
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor, over));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, &|| true));
         // A failure leaves nothing behind that reaches the next factor.
         values[place] = diagonal;
         let mut solutions = [vec![1.0; 60], vec![1.0; 60]];
-        assert!(symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+        assert!(symbolic.factorise(&values, 0.0, &mut factor, &|| false));
         symbolic.solve(&mut factor, &mut solutions[0]);
         let mut fresh = Factor::new(&symbolic);
-        assert!(symbolic.factorise(&values, 0.0, &mut fresh, Watch::default()));
+        assert!(symbolic.factorise(&values, 0.0, &mut fresh, &|| false));
         symbolic.solve(&mut fresh, &mut solutions[1]);
         assert_eq!(solutions[0], solutions[1]);
     }
@@ -566,8 +610,7 @@ mod tests {
                 let mut factor = Factor::new(&symbolic);
                 // The second factor uses the memory of the first.
                 for damping in [2.0, 0.5] {
-                    let watch = Watch::default();
-                    assert!(symbolic.factorise(&values, damping, &mut factor, watch));
+                    assert!(symbolic.factorise(&values, damping, &mut factor, &|| false));
                 }
                 let mut solution = right_side.clone();
                 symbolic.solve(&mut factor, &mut solution);
@@ -601,13 +644,10 @@ mod tests {
         for k in [first, trunk] {
             let place = symbolic.diagonal[k] as usize;
             let diagonal = core::mem::replace(&mut values[place], -9.0);
-            assert!(!symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+            assert!(!symbolic.factorise(&values, 0.0, &mut factor, &|| false));
             values[place] = diagonal;
-            assert!(symbolic.factorise(&values, 0.0, &mut factor, Watch::default()));
+            assert!(symbolic.factorise(&values, 0.0, &mut factor, &|| false));
         }
-        let progress = Progress::new();
-        progress.cancel();
-        let over = Watch::new(&progress);
-        assert!(!symbolic.factorise(&values, 0.0, &mut factor, over));
+        assert!(!symbolic.factorise(&values, 0.0, &mut factor, &|| true));
     }
 }

@@ -5,15 +5,15 @@
 
 use core::ops::Range;
 
-use crate::util::csr::Csr;
+use crate::csr::Csr;
 
 /// Number of equal parts of all operations, of which a branch has no more than one.
-const PARTS: u64 = 12;
+const MIN_PARTS: u64 = 12;
 /// Ratio of the largest branch to the smallest that stands alone, in operations.
-const LARGEST_TO_SMALLEST: u64 = 8;
+const LARGEST_TO_SMALLEST_RATIO: u64 = 8;
 
 /// The elimination tree of a factor, and the operations that its columns take.
-pub(super) struct EliminationTree {
+pub(crate) struct EliminationTree {
     /// For each column its parent; `None` for roots.
     parents: Vec<Option<usize>>,
     /// For each column, the number of multiplications that it and all columns below it in the tree take part in.
@@ -24,7 +24,7 @@ pub(super) struct EliminationTree {
 
 impl EliminationTree {
     /// Finds the tree of a factor, given for each column the rows below the diagonal, from the top.
-    pub(super) fn of(columns: &Csr<u32>) -> Self {
+    pub(crate) fn of(columns: &Csr<u32>) -> Self {
         let parents = columns
             .iter()
             .map(|rows| rows.first().map(|&row| row as usize));
@@ -47,7 +47,7 @@ impl EliminationTree {
     }
 
     /// Returns the number of multiplications of a factorisation.
-    pub(super) fn operations(&self) -> u64 {
+    pub(crate) fn operations(&self) -> u64 {
         self.roots().map(|root| self.operations[root]).sum()
     }
 
@@ -57,7 +57,7 @@ impl EliminationTree {
     }
 
     /// Returns the columns in an order in which those of each branch follow each other, children before parents.
-    pub(super) fn postorder(&self) -> Vec<u32> {
+    pub(crate) fn postorder(&self) -> Vec<u32> {
         // For each column the position at which the next column below it goes; the last entry is for roots.
         let roots = self.parents.len();
         let mut begins = vec![0; roots + 1];
@@ -77,8 +77,8 @@ impl EliminationTree {
 
 /// Returns branches that have no more than a part of all operations each, as ranges of columns from left to right. The
 /// columns have to be in postorder.
-pub(super) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
-    let most = tree.operations() / PARTS;
+pub(crate) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
+    let most = tree.operations() / MIN_PARTS;
     let mut branches = Vec::new();
     let mut end = tree.parents.len();
     // From the right, a column is followed by the last of its children.
@@ -88,7 +88,7 @@ pub(super) fn branches(tree: &EliminationTree) -> Vec<Range<usize>> {
             continue;
         }
         let start = end - tree.sizes[column];
-        if tree.operations[column] >= most / LARGEST_TO_SMALLEST {
+        if tree.operations[column] >= most / LARGEST_TO_SMALLEST_RATIO {
             branches.push(start..end);
         }
         end = start;

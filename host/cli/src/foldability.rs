@@ -9,7 +9,7 @@ use foldpath::planner::{CauseKind, FirstStep, Foldability, Forecast, Goal, GoalK
 use foldpath::symmetry::CreaseGroups;
 
 /// Largest number of causes or hinges that are named.
-const NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 /// Returns lines of the summary: whether the pattern will fold, what is in the way, and which hinges to drive.
 pub(crate) fn text(
@@ -83,8 +83,12 @@ fn verdict(pattern: &CreasePattern, goal: &Goal, forecast: &Forecast) -> String 
 
 /// Returns a line for each of the first causes.
 fn in_the_way(forecast: &Forecast) -> String {
-    let named = forecast.causes.iter().take(NAMED).map(ToString::to_string);
-    let more = forecast.causes.len().saturating_sub(NAMED);
+    let named = forecast
+        .causes
+        .iter()
+        .take(MAX_NAMED)
+        .map(ToString::to_string);
+    let more = forecast.causes.len().saturating_sub(MAX_NAMED);
     let more = (more > 0).then(|| format!("and {more} more, which --json lists"));
     let lines = named.chain(more).enumerate().map(|(line, cause)| {
         let head = if line == 0 { "in the way" } else { "" };
@@ -98,12 +102,12 @@ fn locked(pattern: &CreasePattern, forecast: &Forecast) -> String {
     if forecast.locked.is_empty() {
         return String::new();
     }
-    let named = forecast.locked.iter().take(NAMED);
+    let named = forecast.locked.iter().take(MAX_NAMED);
     let named: Vec<String> = named.map(|edge| edge.index().to_string()).collect();
     let (count, all) = (forecast.locked.len(), pattern.creases().len());
     let (edges, more) = (
         if count == 1 { "edge" } else { "edges" },
-        if count > NAMED { ", ..." } else { "" },
+        if count > MAX_NAMED { ", ..." } else { "" },
     );
     let named = named.join(", ");
     format!(
@@ -169,9 +173,9 @@ fn drives(edges: &[usize], moving: usize) -> String {
 
 /// Names hinges by their edges, in words.
 fn hinges(edges: &[usize]) -> String {
-    let named: Vec<String> = edges.iter().take(NAMED).map(usize::to_string).collect();
+    let named: Vec<String> = edges.iter().take(MAX_NAMED).map(usize::to_string).collect();
     let named = named.join(", ");
-    let more = if edges.len() > NAMED { ", ..." } else { "" };
+    let more = if edges.len() > MAX_NAMED { ", ..." } else { "" };
     match edges.len() {
         0 => "no hinge".into(),
         1 => format!("1 hinge, such as edge {named}"),

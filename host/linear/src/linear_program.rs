@@ -5,54 +5,54 @@
 //! inside the optimal face: the solution has as many variables away from their bounds as any solution has, and so does
 //! the dual solution.
 //!
-//! The programs of this module are those of rates at flat: very degenerate, with a few entries a column.
+//! It is made for very degenerate programs with a few entries a column.
 
-use crate::planner::closing::cholesky::{Factor, Symbolic};
-use crate::progress::Watch;
+use crate::cholesky::Factor;
+use crate::gram::GramStructure;
 
 /// Largest number of iterations; 15 to 40 are usual.
 const MAX_ITERATIONS: usize = 100;
 /// Mean complementarity of an accurate solution, in units of the cost. The normal equations cannot be solved below about
 /// the square root of the rounding error: near the solution their matrix has entries of the size of the complementarity
 /// and of its inverse.
-const COMPLEMENTARITY: f64 = 1e-8;
+const MAX_COMPLEMENTARITY_RATIO: f64 = 1e-8;
 /// Largest error of a constraint, of the primal or the dual program, of an accurate solution.
-const FEASIBILITY: f64 = 1e-7;
+const MAX_CONSTRAINT_ERROR: f64 = 1e-7;
 /// Fraction of the way to the nearest bound that a step goes.
-const STEP_FRACTION: f64 = 0.995;
+const STEP_RATIO: f64 = 0.995;
 
 /// Number of rounds of iterative refinement for each system of equations.
 const REFINEMENTS: usize = 2;
 
 /// A variable of a linear program.
 #[derive(Clone, Debug)]
-pub(crate) struct Variable {
+pub struct Variable {
     /// Its column of the matrix: rows, none twice, and values.
-    pub(crate) column: Vec<(u32, f64)>,
+    pub column: Vec<(u32, f64)>,
     /// Its cost per unit.
-    pub(crate) cost: f64,
+    pub cost: f64,
     /// Its upper bound; the lower bound is 0.
-    pub(crate) upper: f64,
+    pub upper: f64,
     /// Value from which the search starts, between the bounds.
-    pub(crate) start: f64,
+    pub start: f64,
 }
 
 /// A linear program: minimise c·x subject to A x = b and 0 ≤ x ≤ u.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LinearProgram {
+pub struct LinearProgram {
     /// b.
-    pub(crate) right_side: Vec<f64>,
+    pub right_side: Vec<f64>,
     /// The columns of A with c and u.
-    pub(crate) variables: Vec<Variable>,
+    pub variables: Vec<Variable>,
 }
 
 /// The most accurate solution that the method came upon.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Solution {
+pub struct Solution {
     /// Values of the variables.
-    pub(crate) x: Vec<f64>,
+    pub x: Vec<f64>,
     /// Multipliers of the rows: the dual solution.
-    pub(crate) y: Vec<f64>,
+    pub y: Vec<f64>,
 }
 
 /// An iterate, in the notation of the source, with s = u - x and its multipliers v.
@@ -68,21 +68,22 @@ impl LinearProgram {
     /// Solves the program. Returns `None` if the matrix A Aᵀ is too large to be numbered.
     ///
     /// Cost: about 25 sparse factorisations of A Aᵀ.
-    pub(crate) fn solve(&self) -> Option<Solution> {
+    pub fn solve(&self) -> Option<Solution> {
         let mut normal = NormalMatrix::new(self)?;
         let mut at = self.start();
         let mut best = (f64::INFINITY, Solution::default());
         for _ in 0..MAX_ITERATIONS {
             let residuals = self.residuals(&at);
             let mean = at.complementarity();
-            let error = (mean / COMPLEMENTARITY).max(residuals.largest() / FEASIBILITY);
+            let error =
+                (mean / MAX_COMPLEMENTARITY_RATIO).max(residuals.largest() / MAX_CONSTRAINT_ERROR);
             if error < best.0 {
                 let (x, y) = (at.x.clone(), at.y.clone());
                 best = (error, Solution { x, y });
             }
             let weights = at.weights();
             if best.0 <= 1.0
-                || mean < COMPLEMENTARITY * COMPLEMENTARITY
+                || mean < MAX_COMPLEMENTARITY_RATIO * MAX_COMPLEMENTARITY_RATIO
                 || !normal.factorise(self, &weights)
             {
                 break;
@@ -105,7 +106,7 @@ impl LinearProgram {
             let centring = (reached / mean).powi(3).min(1.0);
             let aims = aim(centring * mean, Some(&affine));
             let step = self.step(&at, &residuals, &aims, &weights, &mut normal);
-            let next = at.after(&step, at.reach(&step, STEP_FRACTION));
+            let next = at.after(&step, at.reach(&step, STEP_RATIO));
             if !next.is_finite() {
                 break;
             }
@@ -272,79 +273,43 @@ impl Iterate {
 
 /// The matrix A W Aᵀ of the normal equations and its factor.
 struct NormalMatrix {
-    symbolic: Symbolic,
+    /// The matrix, with a block for each variable.
+    structure: GramStructure,
     factor: Factor,
     /// Entries of the lower triangle, column by column.
     values: Vec<f64>,
-    /// For each variable, the places in `values` of the products of its entries: for each entry those with itself and
-    /// the entries behind it.
-    places: Vec<u32>,
-    diagonal: Vec<u32>,
 }
 
 impl NormalMatrix {
     fn new(program: &LinearProgram) -> Option<Self> {
-        let rows = u32::try_from(program.right_side.len()).ok()?;
-        let mut pairs: Vec<(u32, u32)> = (0..rows).map(|row| (row, row)).collect();
-        for_products(program, |_, pair, _| pairs.push(pair));
-        pairs.sort_unstable();
-        pairs.dedup();
-        let place = |pair: (u32, u32)| {
-            pairs
-                .binary_search(&pair)
-                .ok()
-                .and_then(|p| p.try_into().ok())
-        };
-        let mut places: Vec<Option<u32>> = Vec::new();
-        for_products(program, |_, pair, _| places.push(place(pair)));
-        let diagonal = (0..rows).map(|row| place((row, row)));
-        let diagonal: Vec<u32> = diagonal.collect::<Option<_>>()?;
-        let mut ends: Vec<u32> = diagonal.clone();
-        ends.push(pairs.len().try_into().ok()?);
-        let of_rows: Vec<u32> = pairs.iter().map(|(_, row)| *row).collect();
-        let symbolic = Symbolic::new(&ends, &of_rows)?;
+        let rows = program
+            .variables
+            .iter()
+            .map(|variable| variable.column.iter());
+        let rows = rows.map(|column| column.map(|(row, _)| *row)).collect();
+        let structure = GramStructure::new(program.right_side.len(), &rows)?;
         Some(Self {
-            factor: Factor::new(&symbolic),
-            symbolic,
-            values: vec![0.0; pairs.len()],
-            places: places.into_iter().collect::<Option<_>>()?,
-            diagonal,
+            factor: Factor::new(&structure.symbolic),
+            values: vec![0.0; structure.entries],
+            structure,
         })
     }
 
     /// Factorises A W Aᵀ for these weights. Returns `false` if that is not positive definite to rounding.
     fn factorise(&mut self, program: &LinearProgram, weights: &[f64]) -> bool {
         self.values.fill(0.0);
-        let mut places = self.places.iter();
-        let values = &mut self.values;
-        for_products(program, |variable, _, product| {
-            if let Some(&place) = places.next() {
-                values[place as usize] += weights[variable] * product;
-            }
-        });
+        for (k, variable) in program.variables.iter().enumerate() {
+            let product = |(_, a): &(u32, f64), (_, b): &(u32, f64)| weights[k] * (a * b);
+            let structure = &self.structure;
+            structure.add(k, &variable.column, product, &mut self.values);
+        }
         // Rounding makes the smallest pivots negative near the end; the least shift of the diagonal prevents that.
-        let diagonal = self.diagonal.iter();
-        let most = diagonal.fold(0.0, |most: f64, &place| {
-            most.max(self.values[place as usize])
-        });
-        let shift = most * f64::EPSILON * f64::EPSILON;
-        self.symbolic
-            .factorise(&self.values, shift, &mut self.factor, Watch::default())
+        let shift = self.structure.max_diagonal(&self.values) * f64::EPSILON * f64::EPSILON;
+        let symbolic = &self.structure.symbolic;
+        symbolic.factorise(&self.values, shift, &mut self.factor, &|| false)
     }
 
     fn solve(&mut self, right_side: &mut [f64]) {
-        self.symbolic.solve(&mut self.factor, right_side);
-    }
-}
-
-/// Calls `see` with variable, place (column, row) in the lower triangle and value of each product of two entries of a
-/// column of A.
-fn for_products(program: &LinearProgram, mut see: impl FnMut(usize, (u32, u32), f64)) {
-    for (index, variable) in program.variables.iter().enumerate() {
-        for (k, &(a, first)) in variable.column.iter().enumerate() {
-            for &(b, second) in &variable.column[k..] {
-                see(index, (a.min(b), a.max(b)), first * second);
-            }
-        }
+        self.structure.symbolic.solve(&mut self.factor, right_side);
     }
 }
