@@ -11,6 +11,7 @@ use crate::pattern::PatternError;
 use crate::unfold::ShapeError;
 
 /// Place of an error in a file, the value expected at that place and the value found.
+#[cfg(feature = "svg")]
 pub(super) type Wrong = (String, String, String);
 
 /// Largest number of characters of a file's text that an error shows.
@@ -113,6 +114,7 @@ impl FileError {
     }
 
     /// Returns a function that makes an error of what is wrong at a place of a file.
+    #[cfg(feature = "svg")]
     pub(super) fn wrong(path: &Path) -> impl Fn(Wrong) -> Self {
         |(place, expected, found)| Self::expected(path, place, expected, found)
     }

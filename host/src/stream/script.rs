@@ -25,13 +25,11 @@ pub fn parse_script(
         if line.is_empty() {
             continue;
         }
-        let event = event(line, hinges).ok_or_else(|| FileError::Expected {
-            path: file.to_path_buf(),
-            place: format!("line {number}"),
-            expected: format!(
+        let event = event(line, hinges).ok_or_else(|| {
+            let expected = format!(
                 "SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, with hinges below {hinges}"
-            ),
-            found: line.into(),
+            );
+            FileError::expected(file, format!("line {number}"), expected, line)
         })?;
         events.push(event);
     }

@@ -69,11 +69,7 @@ pub(crate) fn search(
         if radius.restarts == most_restarts {
             break Some(Stop::Nearest);
         }
-        let part = (radius.size / longest).min(1.0);
-        let ahead: Vec<f64> = here.iter().zip(&way).map(|(x, w)| x + part * w).collect();
-        let mut next = ahead.clone();
-        let spread = SPREAD_RATIO * radius.size;
-        random_near(&mut rng, &ahead, spread, Limits::HalfTurn, &mut next);
+        let mut next = radius.sample(&mut rng, here, &way);
         let is_good = solver.closes(&mut next)
             && max_difference(&next, here) <= max_step
             && rules.allow(here, &next)
@@ -125,6 +121,16 @@ impl SamplingRadius {
             failures: 0,
             restarts: 0,
         }
+    }
+
+    /// Draws a configuration round the place at which a step of the radius along `way` ends.
+    fn sample(&self, rng: &mut Pcg64, here: &[f64], way: &[f64]) -> Vec<f64> {
+        let part = (self.size / max_norm(way)).min(1.0);
+        let ahead: Vec<f64> = here.iter().zip(way).map(|(x, w)| x + part * w).collect();
+        let mut next = ahead.clone();
+        let spread = SPREAD_RATIO * self.size;
+        random_near(rng, &ahead, spread, Limits::HalfTurn, &mut next);
+        next
     }
 
     /// Widens the radius after a success, narrows it after several failures, and restarts if it becomes too small.
