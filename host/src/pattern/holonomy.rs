@@ -69,6 +69,29 @@ struct Hole {
     size: f64,
 }
 
+/// Returns the vertices on the rim of each hole, in order.
+fn rims(pattern: &CreasePattern) -> Csr<VertexId> {
+    let rims = pattern.holes().iter().map(|way| {
+        let mut rim: Vec<_> = way.iter().map(|passage| passage.at).collect();
+        rim.dedup();
+        rim
+    });
+    rims.collect()
+}
+
+/// Measures the holes with these rims.
+fn holes(pattern: &CreasePattern, rims: &Csr<VertexId>) -> Vec<Hole> {
+    let holes = rims.iter().enumerate().map(|(hole, rim)| {
+        let next = rim.iter().cycle().skip(1);
+        let steps = rim.iter().zip(next).map(|(&a, &b)| pattern.length([a, b]));
+        Hole {
+            half_way: steps.sum::<f64>() / 2.0,
+            size: pattern.hole_frame(hole).1,
+        }
+    });
+    holes.collect()
+}
+
 impl Holonomy {
     /// Creates the forest of a sheet folded along this tree. Returns `None` if the edges that no step crosses
     /// form no such forest; no pattern is known for which this happens. Cost: linear.
@@ -83,14 +106,7 @@ impl Holonomy {
             })
             .collect();
         let uncrossed = group_by_key(vertices, &pairs);
-        let ways = pattern.holes().iter();
-        let rims: Csr<VertexId> = ways
-            .map(|way| {
-                let mut rim: Vec<_> = way.iter().map(|passage| passage.at).collect();
-                rim.dedup();
-                rim
-            })
-            .collect();
+        let rims = rims(pattern);
         let mut hole_at = vec![None; vertices];
         for (hole, rim) in rims.iter().enumerate() {
             for vertex in rim {
@@ -130,18 +146,9 @@ impl Holonomy {
                 }
             }
         }
-        let holes = rims.iter().enumerate().map(|(hole, rim)| {
-            let next = rim.iter().cycle().skip(1);
-            let steps = rim.iter().zip(next).map(|(&a, &b)| pattern.length([a, b]));
-            Hole {
-                half_way: steps.sum::<f64>() / 2.0,
-                size: pattern.hole_frame(hole).1,
-            }
-        });
-        let holes = holes.collect();
         (hanging.len() == tree.loops().len()).then(|| Self {
             hanging,
-            holes,
+            holes: holes(pattern, &rims),
             rims,
             vertices,
             median_edge: pattern.median_edge(),
