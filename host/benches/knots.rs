@@ -45,7 +45,7 @@ fn main() {
                     (Outcome::Planned, Some(last)) => format!(
                         "{} ({:.0e}, {:.1})",
                         plan.knots().len(),
-                        plan.certified_deformation.unwrap_or(f64::NAN),
+                        plan.certified_deformation().unwrap_or(f64::NAN),
                         last.time
                     ),
                     _ => "none".into(),

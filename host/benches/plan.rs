@@ -70,19 +70,19 @@ fn stages() {
             "| {name} | {} | {} | {} | {:.3} ms | {:.3} ms | {:.3} ms | {:.2} ms | {:.2} ms | {:.2} ms | \
              {:.1e} |",
             pattern.creases().len(),
-            plans[0].unknowns,
+            plans[0].reduced.groups,
             plans[0].knots().len(),
-            median(|p| p.times.symmetry),
-            median(|p| p.times.solve),
-            median(|p| p.times.place),
-            median(|p| p.times.fold),
-            median(|p| p.times.collision),
-            median(|p| p.times.symmetry
-                + p.times.solve
-                + p.times.place
-                + p.times.fold
-                + p.times.collision),
-            plans[0].certified_deformation.unwrap_or(f64::NAN),
+            median(|p| p.effort.times.symmetry),
+            median(|p| p.effort.times.solve),
+            median(|p| p.effort.times.place),
+            median(|p| p.effort.times.fold),
+            median(|p| p.effort.times.collision),
+            median(|p| p.effort.times.symmetry
+                + p.effort.times.solve
+                + p.effort.times.place
+                + p.effort.times.fold
+                + p.effort.times.collision),
+            plans[0].certified_deformation().unwrap_or(f64::NAN),
         );
     }
 }

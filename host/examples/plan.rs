@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     println!("outcome                {}", plan.outcome.name());
     println!("knots                  {}", plan.knots().len());
-    if let Some(bound) = plan.certified_deformation {
+    if let Some(bound) = plan.certified_deformation() {
         println!("certified deformation  {bound:.1e}");
     }
     for note in &plan.notes {

@@ -26,8 +26,8 @@
 //! let pattern = CreasePattern::new(miura.drawing()?)?;
 //! let plan = plan(&pattern, &Goal::of_pattern(&pattern)?, &PlanOptions::default());
 //! assert_eq!(plan.outcome, Outcome::Planned);
-//! assert_eq!((plan.groups, plan.essential_vertices), (2, 1));
-//! assert!(plan.rigidity.deformation < 1e-12);
+//! assert_eq!((plan.reduced.groups, plan.reduced.essential_vertices), (2, 1));
+//! assert!(plan.errors.rigidity.deformation < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

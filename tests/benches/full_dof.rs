@@ -75,7 +75,7 @@ fn planned(pattern: &CreasePattern, options: &PlanOptions) -> String {
     let goal = Goal::of_pattern(pattern).expect("a goal");
     let plan = plan(pattern, &goal, options);
     let path = plan.motion.as_ref().map(motion_text);
-    format!("{:?} {:?} {path:?}", plan.outcome, plan.collision)
+    format!("{:?} {:?} {path:?}", plan.outcome, plan.crossings.counts)
 }
 
 /// Returns the motion of a Miura sheet of `size` x `size` faces, in which every hinge is off by up to 1e-6 degrees.

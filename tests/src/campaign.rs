@@ -344,7 +344,7 @@ fn judge(
     let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
     let contact = if family.seams {
-        2.0 * plan.contact_tolerance
+        2.0 * plan.crossings.contact_tolerance
     } else {
         CONTACT
     };

@@ -89,7 +89,7 @@ pub fn judge(
     let missed = worst(goals.filter_map(|(a, b)| Some((a - (*b)?).abs())));
     let arrives = plan.outcome == Outcome::Planned;
     if arrives {
-        limit("off the goal by", missed, plan.goal_error + ROUNDING);
+        limit("off the goal by", missed, plan.arrival.error + ROUNDING);
     }
     let (stars, mut random) = (sheet.stars(), Random::new(path.frames.len() as u64));
     let other_tree = sheet.other_tree(&stars);
@@ -111,12 +111,14 @@ pub fn judge(
         };
         // Folded along another spanning tree the sheet may gape by the certified bound, or by the difference between
         // two trees.
-        let most = shape.apart().max(plan.certified_deformation.unwrap_or(0.0));
+        let most = shape
+            .apart()
+            .max(plan.certified_deformation().unwrap_or(0.0));
         let torn = |value: f64| admitted((other_tree * value).max(most));
-        limit("closure", left, admitted(plan.max_closure));
-        limit("gap", sheet.gap(&poses), torn(plan.rigidity.gap));
+        limit("closure", left, admitted(plan.errors.closure));
+        limit("gap", sheet.gap(&poses), torn(plan.errors.rigidity.gap));
         for (what, positions) in [("by angles", &placed), ("of positions", &frame.vertices)] {
-            let most = torn(plan.rigidity.deformation + plan.rigidity.gap);
+            let most = torn(plan.errors.rigidity.deformation + plan.errors.rigidity.gap);
             limit(
                 &format!("deformation {what}"),
                 sheet.deformation(positions),
@@ -126,12 +128,12 @@ pub fn judge(
         limit(
             "unflatness",
             sheet.unflatness(&frame.vertices),
-            admitted(other_tree * plan.rigidity.gap),
+            admitted(other_tree * plan.errors.rigidity.gap),
         );
         limit(
             "angles off positions by",
             sheet.angle_error(&frame.vertices, &frame.angles),
-            SAME_ANGLE + other_tree * plan.rigidity.gap / sheet.narrowest(),
+            SAME_ANGLE + other_tree * plan.errors.rigidity.gap / sheet.narrowest(),
         );
         shape.compare(&placed, sheet.gap(&poses), &mut random, &mut limit);
         let against = frame.angles.iter().zip(goal).map(|(a, b)| -a * sign(*b));
@@ -156,7 +158,7 @@ pub fn judge(
         limit(
             "closure",
             worst(closures),
-            certified(plan.certified_closure, 1.0),
+            certified(plan.certified_closure(), 1.0),
         );
         let against = |angles: Vec<f64>| {
             let turns = angles.into_iter().zip(goal);
@@ -167,7 +169,7 @@ pub fn judge(
         for angles in shapes(FOLDED) {
             let poses = sheet.fold(&angles);
             let (placed, gap) = (sheet.positions(&poses), sheet.gap(&poses));
-            let most = certified(plan.certified_deformation, other_tree);
+            let most = certified(plan.certified_deformation(), other_tree);
             limit("gap", gap, most);
             limit("deformation", sheet.deformation(&placed), most);
             let shape = Shape {

@@ -158,13 +158,13 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
          solved as    {} unknowns (crease groups), {} essential vertices\n",
         goal.source, json.creases, json.real_vertices, json.unknowns, json.essential_vertices,
     );
-    let amplified = plan.amplification.map_or_else(
+    let amplified = plan.reduced.amplification.map_or_else(
         || "how errors grow over the sheet is not known".to_string(),
         |factor| format!("errors grow up to {factor:.3}-fold over the sheet"),
     );
     text += &format!(
         "  tolerance    closure {:.1e} at each vertex: {amplified}\n",
-        plan.essential_tolerance,
+        plan.reduced.closure_tolerance,
     );
     if json.knots > 0 {
         text += &format!(
@@ -188,10 +188,12 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
         text +=
             &format!("  certified    deformation and gap {certified:.1e} over the whole motion\n");
     }
-    if plan.essential_faces > 0 {
+    if plan.errors.essential_faces > 0 {
         text += &format!(
             "  essential    {} faces, deformation {:.1e}, gap {:.1e}\n",
-            plan.essential_faces, plan.essential_rigidity.deformation, plan.essential_rigidity.gap,
+            plan.errors.essential_faces,
+            plan.errors.essential_rigidity.deformation,
+            plan.errors.essential_rigidity.gap,
         );
     }
     text += &match job.request.collision {

@@ -1,49 +1,93 @@
-//! Knots and paths of the whole sheet: configurations with times and rates.
+//! Knots on the way from a reduced path to a motion of the whole sheet: configurations with times and rates.
 
 use std::sync::Arc;
 
 use foldpath_core::{Curve, GroupId, Interpolation, Membership};
 
 use super::PlanOptions;
+use crate::certificate::Closure;
 use crate::folding::Rigidity;
-use crate::motion::{self, Claims, GroupNaming, Motion, PlanAnswer};
+use crate::motion::{Claims, GroupNaming, Knot, Motion};
 use crate::pattern::CreasePattern;
 
-/// One configuration of a path, with the errors measured there on the whole sheet.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Knot {
-    /// The configuration as it is stored. Its claims are the errors, `None` if they were not measured.
-    pub(super) stored: motion::Knot,
-    /// `true` if one phase of the motion ends here and another begins.
-    pub(super) ends_phase: bool,
-}
-
-/// A path of the whole sheet from flat to goal.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Path {
-    /// For each crease its group and sign.
-    pub(super) memberships: Vec<Membership>,
-    /// Interpolation between knots.
+/// Knots, the interpolation between them, and bounds on the motion.
+#[derive(Clone, Debug, Default)]
+pub(super) struct KnotSequence {
     pub(super) interpolation: Interpolation,
-    /// The knots, in the order of time.
+    /// The knots, in the order of time. Their claims are the errors measured there, `None` until they are measured.
     pub(super) knots: Vec<Knot>,
+    /// Numbers of the knots at which a phase of the motion ends. A motion that ends before its goal may end at one.
+    pub(super) phases: Vec<usize>,
+    /// Bounds on the closure over the whole motion.
+    pub(super) closure: Closure,
+    /// First segment that does not keep the closure condition, if any.
+    pub(super) open: Option<Open>,
 }
 
-impl Path {
-    /// Returns the path as a motion of the sheet; `None` if it has no knots.
+/// The first segment of a motion that does not keep the closure condition.
+#[derive(Clone, Debug)]
+pub(super) struct Open {
+    pub(super) segment: usize,
+    /// Path length to the start of the segment.
+    pub(super) arc_length: f64,
+    /// Bounds on the closure before the segment.
+    pub(super) before: Closure,
+}
+
+impl KnotSequence {
+    /// Returns the group angles at the last knot, radians; empty if there are no knots.
+    pub(super) fn end(&self) -> &[f64] {
+        self.knots.last().map_or(&[], |last| &last.angles)
+    }
+
+    /// Returns `true` if another sequence moves the sheet in the same way.
+    pub(super) fn moves_as(&self, other: &Self) -> bool {
+        let [this, other] = [self, other].map(|one| (one.interpolation, &one.knots, &one.phases));
+        this == other
+    }
+
+    /// Keeps only the first `knots` knots.
+    pub(super) fn truncate(&mut self, knots: usize) {
+        self.knots.truncate(knots);
+        self.phases.retain(|&knot| knot < knots);
+    }
+
+    /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
+    pub(super) fn cut(&mut self) -> bool {
+        let Some(open) = self.open.take() else {
+            return false;
+        };
+        self.truncate(open.segment + 1);
+        self.closure = open.before;
+        true
+    }
+
+    /// Returns, for each segment between two knots, the curve of each group.
+    pub(super) fn curves(&self) -> impl Iterator<Item = Vec<Curve<f64>>> {
+        self.knots.windows(2).map(|pair| {
+            let [from, to] = [&pair[0], &pair[1]];
+            let groups = (0..).map(GroupId).take(from.angles.len());
+            let curve = |group| {
+                let (span, from, to) = (to.time - from.time, from.node(group), to.node(group));
+                Curve::between(self.interpolation, span, from, to)
+            };
+            groups.map(curve).collect()
+        })
+    }
+
+    /// Returns the motion of a sheet whose creases are in these groups; `None` if there are no knots. Its title is empty,
+    /// and its phases may end with the last knot.
     pub(super) fn into_motion(
         self,
         pattern: Arc<CreasePattern>,
+        memberships: &[Membership],
         options: &PlanOptions,
-        answer: PlanAnswer,
     ) -> Option<Motion> {
         if self.knots.is_empty() {
             return None;
         }
-        let inner = 1..self.knots.len() - 1;
-        let phases = inner.filter(|&knot| self.knots[knot].ends_phase).collect();
         let edges = pattern.edges().iter();
-        let members = edges.map(|edge| Some(self.memberships[edge.crease?.index()]));
+        let members = edges.map(|edge| Some(memberships[edge.crease?.index()]));
         Some(Motion {
             title: String::new(),
             members: members.collect(),
@@ -56,73 +100,31 @@ impl Path {
                 Interpolation::Linear => Some(f64::INFINITY),
                 _ => Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
             },
-            seed: Some(options.seed),
-            answer: Some(answer),
-            knots: self.knots.into_iter().map(|knot| knot.stored).collect(),
-            phases,
+            seed: None,
+            answer: None,
+            knots: self.knots,
+            phases: self.phases,
         })
     }
+}
 
-    /// Returns the fold angle of each crease at one of the knots, radians.
-    pub(super) fn crease_angles(&self, knot: &Knot) -> Vec<f64> {
-        let angles = &knot.stored.angles;
-        let angle = |member: &Membership| member.apply(angles[member.group.index()]);
-        self.memberships.iter().map(angle).collect()
-    }
-
-    /// Returns, for each segment between two knots, the curve of each group.
-    pub(super) fn curves(&self) -> Vec<Vec<Curve<f64>>> {
-        curves(self.interpolation, &self.knots).collect()
+/// Returns errors measured at a knot as its claims; the twist is the closure residual, if that is larger.
+pub(super) fn claims(errors: Rigidity) -> Claims {
+    let measured = |error: f64| (!error.is_nan()).then_some(error);
+    Claims {
+        deformation: measured(errors.deformation),
+        gap: measured(errors.gap),
+        closure: measured(errors.twist),
+        clearance: None,
     }
 }
 
-/// Returns, for each segment between two knots, the curve of each group.
-pub(super) fn curves(
-    interpolation: Interpolation,
-    knots: &[Knot],
-) -> impl Iterator<Item = Vec<Curve<f64>>> {
-    knots.windows(2).map(move |pair| {
-        let [from, to] = [0, 1].map(|end: usize| &pair[end].stored);
-        let groups = (0..).map(GroupId).take(from.angles.len());
-        let curve = |group| {
-            let (span, from, to) = (to.time - from.time, from.node(group), to.node(group));
-            Curve::between(interpolation, span, from, to)
-        };
-        groups.map(curve).collect()
-    })
-}
-
-impl Knot {
-    /// Returns the knot at these group angles, radians.
-    pub(super) fn at(angles: Vec<f64>) -> Self {
-        let stored = motion::Knot {
-            angles,
-            ..motion::Knot::default()
-        };
-        Self {
-            stored,
-            ends_phase: false,
-        }
-    }
-
-    /// Stores the errors measured here; the twist is the closure residual, if that is larger.
-    pub(super) fn set_errors(&mut self, errors: Rigidity) {
-        let measured = |error: f64| (!error.is_nan()).then_some(error);
-        self.stored.claims = Claims {
-            deformation: measured(errors.deformation),
-            gap: measured(errors.gap),
-            closure: measured(errors.twist),
-            clearance: None,
-        };
-    }
-
-    /// Returns the errors measured here, NaN if they were not; the twist is the closure residual, if that is larger.
-    pub(super) fn errors(&self) -> Rigidity {
-        let claims = &self.stored.claims;
-        Rigidity {
-            deformation: claims.deformation.unwrap_or(f64::NAN),
-            gap: claims.gap.unwrap_or(f64::NAN),
-            twist: claims.closure.unwrap_or(f64::NAN),
-        }
+/// Returns the errors measured at a knot, NaN if they were not; the twist is the closure residual, if that is larger.
+pub(super) fn errors(knot: &Knot) -> Rigidity {
+    let claims = &knot.claims;
+    Rigidity {
+        deformation: claims.deformation.unwrap_or(f64::NAN),
+        gap: claims.gap.unwrap_or(f64::NAN),
+        twist: claims.closure.unwrap_or(f64::NAN),
     }
 }

@@ -186,7 +186,6 @@ impl Display for Reason {
                 f,
                 "at the goal faces {a} and {b} pass through each other; {path}"
             ),
-            Self::NothingNearer => f.write_str("no other motion leads on"),
             Self::NoFoldSequence => {
                 f.write_str("no sequence of folds was found that is free of crossings")
             }

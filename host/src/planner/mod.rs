@@ -8,7 +8,7 @@
 //! # Stages
 //!
 //! Planning is a pipeline of values. Each stage is a function from one value to the next; a stage that does not lead on
-//! returns the place and the size of what is in the way.
+//! returns the place and the size of what is in the way. No stage calls an earlier one.
 //!
 //! ```text
 //! PlanningProblem          sheet, goal, options, error model          problem.rs
@@ -18,39 +18,22 @@
 //!   | place                  fewest knots, with times
 //! KnotSequence
 //!   | certify                bounds between knots                     lifting/certified_motion.rs
-//! Certificate
 //!   | measure                the whole sheet folded at the knots      lifting/measured_motion.rs
-//! MeasuredMotion
+//! Lifted
 //!   | sweep                  crossings over the whole motion          lifting/swept_motion.rs
 //! Swept
-//!   | lift, run              what was found, in one answer            lifting/whole_sheet.rs, strategies/pipeline.rs
+//!   | lift                   goes nearer, ends earlier, or ends       lifting/whole_sheet.rs
+//! Lifted
+//!   | follow                 what was found, in one answer            strategies/pipeline.rs
 //! Plan
 //! ```
 //!
 //! # Strategies
 //!
-//! `strategies/driver.rs` runs this pipeline for the rows of a table, keeps the best answer, and lists what was tried as
-//! [`Plan::attempts`]:
-//!
-//! ```text
-//! crease groups                        always
-//! every crease                         if less deformation may be proved without groups
-//! snapped coordinates (fine)           if there is no plan yet
-//! snapped coordinates (coarse)         if there is no plan yet
-//! measured error                       if there is no plan yet and the goal nearly closes
-//! snapped coordinates, measured error  if there is no plan yet and the goal nearly closes
-//! nearest configuration                if the goal does not close
-//! another seed (0, 1, 2)               if the answer is no and may depend on random numbers
-//! ```
-//!
-//! Within a row the sheet is taken straight to the goal, deforming, if no motion leads there. After a row whose motion
-//! crosses or ends early, phases are looked for: on sheets whose hinges are all free, phases split at crossings; then
-//! folds in sequence; then a way round, on which the faces that cross are kept clear of each other. Each try is the same
-//! pipeline again, by way of the configurations between its phases. Nothing calls the driver but its user.
-//!
-//! If all rows say no to letters at a fraction, lines that run from border to border turn alone (`strategies/lines.rs`).
-//! If all rows say no and panels may bend, or to tell which bend would be enough, crease groups are tried on sheets whose
-//! panels are cut along diagonals (`strategies/bending.rs`).
+//! `strategies/driver.rs` has the table of strategies. Its rows are tried in order: some on the problem, some on a route
+//! that ends before the goal, and some on the answer along a route on which something is in the way. The best answer is
+//! kept, and [`Plan::attempts`] lists what was tried. ARCHITECTURE.md says of each row when it is tried and kept.
+//! Nothing calls the driver but its user.
 //!
 //! # Before planning
 //!
@@ -64,12 +47,12 @@
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
 //! < closing (elimination_tree < cholesky < sparse < chord < solver)
-//! < following (follow < reduction, search < branch, judge < mobility, route < route_selection)
+//! < following (follow < reduction, search < branch, judge < mobility, legs < route < route_selection)
 //! < foldability (interior_point < flat_cone < certificate < cause < locked_loop < forecast)
-//! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placement)
-//! < lifting (certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < fold_sequence < split_phases, way_round, bending, lines
-//! < driver)
+//! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
+//! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
+//! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,
+//! lines < driver)
 //! ```
 
 mod closing;
@@ -102,6 +85,9 @@ pub use options::{
 };
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;
-pub use plan::{Attempt, Outcome, Plan, Strategy, Times};
+pub use plan::{
+    Arrival, Attempt, Certificate, CrossingSearch, Effort, Outcome, Plan, ReducedProblem,
+    SheetErrors, Strategy, Times,
+};
 pub use reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
 pub use strategies::driver::{plan, plan_watched};

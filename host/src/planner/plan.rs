@@ -2,15 +2,12 @@
 
 use core::ops::AddAssign;
 use core::time::Duration;
-use std::sync::Arc;
 
-use super::PlanOptions;
-use super::knots::Path;
-use super::reason::{Note, Reason, TimeoutAt, Undecided};
+use super::reason::{Note, Reason, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
-use crate::motion::{self, Motion, PLANNED, PlanAnswer};
-use crate::pattern::CreasePattern;
+use crate::motion::{self, Motion, PLANNED};
+use crate::util::clock::Instant;
 
 /// Answer of the planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,7 +69,92 @@ pub struct Times {
     pub collision: Duration,
 }
 
-/// A plan: the answer, the path as far as it leads, and measurements.
+/// The reduced problem that the solver worked on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReducedProblem {
+    /// Number of crease groups, which are the unknowns.
+    pub groups: usize,
+    /// Number of essential vertices.
+    pub essential_vertices: usize,
+    /// Number of closed configurations that the path was followed through, before knots were placed.
+    pub waypoints: usize,
+    /// Largest ratio of the errors of the whole sheet to the closure residuals of its vertices and holes; `None` if
+    /// unknown.
+    pub amplification: Option<f64>,
+    /// Largest closure residual of a vertex with which the whole sheet keeps the bound.
+    pub closure_tolerance: f64,
+}
+
+/// Largest errors over all knots.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SheetErrors {
+    /// Deformation and gap of the whole sheet.
+    pub rigidity: Rigidity,
+    /// Closure residual of a real vertex or a hole, or twist of a hinge.
+    pub closure: f64,
+    /// Deformation and gap of the essential crease pattern.
+    pub essential_rigidity: Rigidity,
+    /// Number of faces of the essential crease pattern.
+    pub essential_faces: usize,
+}
+
+/// Bounds on the whole sheet over the whole motion, rounding included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate {
+    /// Bound on the closure residual of every real vertex and hole; `None` if unknown.
+    pub closure: Option<f64>,
+    /// Bound on deformation and gap; infinite if unknown.
+    ///
+    /// If closure alone would allow more than the option's bound, this is the bound on the folded sheet by
+    /// [`FoldingCertifier`](crate::certificate::FoldingCertifier).
+    pub deformation: f64,
+}
+
+impl Certificate {
+    /// Returns the certified deformation if it is over the bound.
+    pub(super) fn over(&self, bound: f64) -> Option<f64> {
+        let over = self.deformation > bound || self.deformation.is_nan();
+        over.then_some(self.deformation)
+    }
+}
+
+/// The goal, and how near to it the path ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Arrival {
+    /// Largest closure residual of the goal as asked.
+    pub goal_closure: f64,
+    /// Largest difference of a fold angle at the end of the path from the goal as asked, radians.
+    pub error: f64,
+    /// Number of creases lettered M or V that the path leaves flat: turned less than a degree their way.
+    pub flat_creases: usize,
+}
+
+/// Time and work that an answer took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Number of iterations of the solver.
+    pub iterations: u64,
+    /// Number of evaluations of the closure conditions by the solver.
+    pub evaluations: u64,
+    /// Time spent.
+    pub times: Times,
+    /// `true` if random numbers may have decided the answer.
+    pub is_random: bool,
+}
+
+/// The search for crossings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CrossingSearch {
+    /// Number of pairs that were looked at and skipped.
+    pub counts: SweepCounts,
+    /// Smallest distance of two faces that share no vertex, over the whole motion, if crossings were looked for and
+    /// none was found.
+    pub clearance: Option<Clearance>,
+    /// Depth up to which an overlap of faces counted as contact, in median edges.
+    pub contact_tolerance: f64,
+}
+
+/// A plan: the answer, the motion as far as it leads, and measurements.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The answer.
@@ -83,62 +165,20 @@ pub struct Plan {
     pub reached: f64,
     /// The motion from flat, as far as one was found. Its title is empty.
     pub motion: Option<Motion>,
-    /// The motion while it is planned.
-    pub(super) path: Path,
-    /// The sheet with panels that bend, if the path is of that.
-    pub(super) bent: Option<Arc<CreasePattern>>,
     /// Largest angle by which a panel bends along the path, radians; 0 for rigid panels.
     pub max_bend: f64,
-    /// `true` if random numbers may have decided the answer.
-    pub(super) is_random: bool,
-    /// Number of crease groups.
-    pub groups: usize,
-    /// Number of essential vertices.
-    pub essential_vertices: usize,
-    /// Number of unknowns that the solver worked on.
-    pub unknowns: usize,
-    /// Number of closed configurations that the path was followed through, before knots were placed.
-    pub waypoints: usize,
-    /// Largest deformation and gap over all knots.
-    pub rigidity: Rigidity,
-    /// Largest deformation and gap of the essential crease pattern over all knots.
-    pub essential_rigidity: Rigidity,
-    /// Number of faces of the essential crease pattern.
-    pub essential_faces: usize,
-    /// Largest closure residual of a real vertex or a hole, or twist of a hinge, over all knots.
-    pub max_closure: f64,
-    /// Bound on the closure residual of every real vertex and hole over the whole motion; `None` if unknown.
-    pub certified_closure: Option<f64>,
-    /// Bound on deformation and gap of the whole sheet over the whole motion, rounding included.
-    ///
-    /// If closure alone would allow more than the option's bound, this is the bound on the folded sheet by
-    /// [`FoldingCertifier`](crate::certificate::FoldingCertifier). Infinite if nothing is known, `None` if nothing was
-    /// to be certified.
-    pub certified_deformation: Option<f64>,
-    /// Largest ratio of the errors of the whole sheet to the closure residuals of its vertices and holes; `None` if
-    /// unknown.
-    pub amplification: Option<f64>,
-    /// Largest closure residual of a vertex with which the whole sheet keeps the bound.
-    pub essential_tolerance: f64,
-    /// Largest closure residual of the goal as asked.
-    pub goal_closure: f64,
-    /// Largest difference of a fold angle at the end of the path from the goal as asked, radians.
-    pub goal_error: f64,
-    /// Number of creases lettered M or V that the path leaves flat: turned less than a degree their way.
-    pub flat_creases: usize,
-    /// Number of iterations of the solver.
-    pub iterations: u64,
-    /// Number of evaluations of the closure conditions by the solver.
-    pub evaluations: u64,
-    /// Number of pairs that the search for crossings looked at and skipped.
-    pub collision: SweepCounts,
-    /// Smallest distance of two faces that share no vertex, over the whole motion, if crossings were looked for and
-    /// none was found.
-    pub clearance: Option<Clearance>,
-    /// Depth up to which an overlap of faces counted as contact, in median edges.
-    pub contact_tolerance: f64,
-    /// Time spent.
-    pub times: Times,
+    /// The reduced problem that the solver worked on.
+    pub reduced: ReducedProblem,
+    /// Largest errors over all knots.
+    pub errors: SheetErrors,
+    /// Bounds over the whole motion; `None` if nothing was to be certified.
+    pub certificate: Option<Certificate>,
+    /// The goal, and how near to it the path ends.
+    pub arrival: Arrival,
+    /// Time and work spent.
+    pub effort: Effort,
+    /// The search for crossings.
+    pub crossings: CrossingSearch,
     /// Remarks for the user.
     pub notes: Vec<Note>,
     /// Questions left open; with any of them, the outcome is no longer [`Outcome::Planned`].
@@ -216,71 +256,57 @@ pub struct Attempt {
     pub seconds: f64,
 }
 
-/// Reason why a stage does not lead on, with the outcome of the plan that ends there.
-pub(super) struct Failure {
-    pub(super) outcome: Outcome,
-    pub(super) reason: Reason,
-    /// Fraction of the way so far that remains.
-    pub(super) kept: f64,
-}
-
-impl Failure {
-    /// Makes the failure of a stage during which time ran out. The way that was found by then remains.
-    pub(super) fn out_of_time(at: TimeoutAt) -> Self {
+impl Attempt {
+    /// Makes the attempt that ended with a plan. It began at `start`.
+    pub(super) fn new(strategy: Strategy, plan: &Plan, start: Instant) -> Self {
         Self {
-            outcome: Outcome::Timeout,
-            reason: Reason::OutOfTime(at),
-            kept: 1.0,
+            strategy,
+            outcome: plan.outcome,
+            reason: plan.reason.clone(),
+            seconds: start.elapsed().as_secs_f64(),
         }
     }
 }
 
 impl Plan {
-    /// Ends the plan, as a stage does not lead on.
-    pub(super) fn ended(mut self, failure: Failure) -> Self {
-        if let (Reason::OutOfTime(at), false) = (&failure.reason, self.path.knots.is_empty()) {
-            self.undecided.push(Undecided::OutOfTime(*at));
-        }
-        self.outcome = failure.outcome;
-        self.reason = Some(failure.reason);
-        self.reached *= failure.kept;
-        self
-    }
-
     /// Returns the knots of the motion; none if no motion was found.
     #[must_use]
     pub fn knots(&self) -> &[motion::Knot] {
         self.motion.as_ref().map_or(&[], |motion| &motion.knots)
     }
 
-    /// Makes the motion of the path.
-    pub(super) fn finished(mut self, pattern: &CreasePattern, options: &PlanOptions) -> Self {
-        let answer = PlanAnswer {
-            outcome: self.outcome.name().to_string(),
-            reached: self.reached,
-            bound: options.bound,
-            bend: self.max_bend,
-        };
-        let pattern = self
-            .bent
-            .take()
-            .unwrap_or_else(|| Arc::new(pattern.clone()));
-        self.motion = core::mem::take(&mut self.path).into_motion(pattern, options, answer);
-        self
+    /// Returns the bound on deformation and gap of the whole sheet over the whole motion, infinite if nothing is known;
+    /// `None` if nothing was to be certified.
+    #[must_use]
+    pub fn certified_deformation(&self) -> Option<f64> {
+        self.certificate.map(|certificate| certificate.deformation)
     }
 
-    /// Adds the time and the work of another plan to those of this one.
-    pub(super) fn add_effort(&mut self, other: &Self) {
-        self.times += other.times;
-        self.iterations += other.iterations;
-        self.evaluations += other.evaluations;
+    /// Returns the bound on the closure residual of every real vertex and hole over the whole motion; `None` if unknown.
+    #[must_use]
+    pub fn certified_closure(&self) -> Option<f64> {
+        self.certificate?.closure
+    }
+
+    /// Returns the number of phases of the motion that are at their end; the last knot counts, too, if a phase ends there.
+    pub(super) fn ended_phases(&self) -> usize {
+        self.motion.as_ref().map_or(0, |motion| motion.phases.len())
     }
 
     /// Returns the deformation that the sheet is proved to keep, infinite for none; `None` if nothing was to be proved.
     pub(super) fn proved(&self) -> Option<f64> {
-        self.certified_closure?;
-        let certified = self.certified_deformation;
+        self.certified_closure()?;
+        let certified = self.certified_deformation();
         Some(certified.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY))
+    }
+}
+
+impl AddAssign for Effort {
+    /// Adds the effort of an answer that is not kept; its random numbers have not decided.
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.evaluations += other.evaluations;
+        self.times += other.times;
     }
 }
 

@@ -1,5 +1,7 @@
 //! The planning problem: sheet, goal and options, and how errors of rounded input are treated.
 
+use std::sync::Arc;
+
 use super::{Goal, PlanOptions};
 use crate::pattern::CreasePattern;
 use crate::progress::Watch;
@@ -41,7 +43,7 @@ impl ErrorModel {
 /// A sheet, the goal to which it is to fold, and the conditions.
 #[derive(Clone, Copy)]
 pub(super) struct PlanningProblem<'a> {
-    pub(super) pattern: &'a CreasePattern,
+    pub(super) pattern: &'a Arc<CreasePattern>,
     pub(super) goal: &'a Goal,
     pub(super) options: &'a PlanOptions,
     pub(super) errors: ErrorModel,

@@ -175,8 +175,6 @@ pub enum Reason {
         /// Reason why the path does not reach the goal.
         path: Box<Reason>,
     },
-    /// A motion nearer to the path is the same motion again.
-    NothingNearer,
     /// No sequence of folds was found that is free of crossings.
     NoFoldSequence,
     /// The faces that cross could not be led round each other.

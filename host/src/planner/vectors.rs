@@ -11,6 +11,13 @@ pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(a, b)| a * b).sum()
 }
 
+/// Adds `factor` times a vector to another one.
+pub(super) fn add_scaled(sum: &mut [f64], factor: f64, x: &[f64]) {
+    sum.iter_mut()
+        .zip(x)
+        .for_each(|(sum, x)| *sum += factor * x);
+}
+
 /// Returns the Euclidean norm.
 pub(super) fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()

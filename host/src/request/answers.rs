@@ -74,19 +74,19 @@ answers! {
         reached: f64 = plan.reached;
         creases: usize = pattern.creases().len();
         real_vertices: usize = pattern.real_vertices().count();
-        groups: usize = plan.groups;
-        essential_vertices: usize = plan.essential_vertices;
-        unknowns: usize = plan.unknowns;
+        groups: usize = plan.reduced.groups;
+        essential_vertices: usize = plan.reduced.essential_vertices;
+        unknowns: usize = plan.reduced.groups;
         knots: usize = plan.knots().len();
-        max_deformation: f64 = plan.rigidity.deformation;
-        certified_deformation: Option<f64> = plan.certified_deformation;
-        max_closure: f64 = plan.max_closure;
-        max_gap: f64 = plan.rigidity.gap;
+        max_deformation: f64 = plan.errors.rigidity.deformation;
+        certified_deformation: Option<f64> = plan.certified_deformation();
+        max_closure: f64 = plan.errors.closure;
+        max_gap: f64 = plan.errors.rigidity.gap;
         max_bend: f64 = plan.max_bend.to_degrees();
-        goal_error: f64 = plan.goal_error.to_degrees();
-        flat_creases: usize = plan.flat_creases;
-        min_clearance: Option<f64> = plan.clearance.map(|clearance| clearance.distance);
-        contact_tolerance: f64 = plan.contact_tolerance;
+        goal_error: f64 = plan.arrival.error.to_degrees();
+        flat_creases: usize = plan.arrival.flat_creases;
+        min_clearance: Option<f64> = plan.crossings.clearance.map(|clearance| clearance.distance);
+        contact_tolerance: f64 = plan.crossings.contact_tolerance;
         undecided: Vec<String> = sentences(&plan.undecided);
         notes: Vec<String> = notes(planned, request, file);
         attempts: Vec<AttemptJson> = (plan.attempts.iter())
@@ -94,7 +94,7 @@ answers! {
         #[serde(skip_serializing_if = "Option::is_none")]
         time: Option<TimeJson> = times.map(|times| TimeJson::of(plan, times));
         solver: SolverJson = SolverJson::of(plan);
-        collision: SweepCounts = plan.collision;
+        collision: SweepCounts = plan.crossings.counts;
         seed: u64 = request.seed;
     }
 
@@ -109,7 +109,7 @@ answers! {
 
     /// Times that were taken, seconds.
     TimeJson of (plan: &Plan, times: [Duration; 3]) {
-        let ([read, write, total], stages) = (times, plan.times);
+        let ([read, write, total], stages) = (times, plan.effort.times);
     } {
         total: f64 = total.as_secs_f64();
         read: f64 = read.as_secs_f64();
@@ -122,8 +122,8 @@ answers! {
 
     /// Work of the solver.
     SolverJson of (plan: &Plan) {} {
-        iterations: u64 = plan.iterations;
-        evaluations: u64 = plan.evaluations;
+        iterations: u64 = plan.effort.iterations;
+        evaluations: u64 = plan.effort.evaluations;
     }
 
     /// A verdict on a motion, which serialises to the JSON object of `foldpath check --json`. Angles are in degrees, lengths
@@ -240,7 +240,7 @@ fn notes(planned: &Planned, request: &PlanRequest, file: &PatternFile) -> Vec<St
     if request.goal.is_none() && request.fold.is_none() && request.crease.is_empty() {
         let closure = match plan.outcome {
             Outcome::GoalNotClosed => f64::INFINITY,
-            _ => plan.goal_closure,
+            _ => plan.arrival.goal_closure,
         };
         notes.extend(radians_hint(&file.pattern, Some(closure)));
     }

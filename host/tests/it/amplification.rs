@@ -257,12 +257,12 @@ fn plan_derives_the_essential_tolerance_from_the_bound() {
     for bound in [1e-2, 1e-4, 1e-6, 1e-8] {
         let options = PlanOptions::default().with(|it| it.bound = bound);
         let plan = plan(&pattern, &goal, &options);
-        assert_eq!(plan.amplification, Some(factor));
-        let ratio = plan.essential_tolerance * factor / bound;
+        assert_eq!(plan.reduced.amplification, Some(factor));
+        let ratio = plan.reduced.closure_tolerance * factor / bound;
         assert!((ratio - 1.0).abs() < 1e-12, "{ratio}");
         if plan.outcome == Outcome::Planned {
-            assert!(plan.rigidity.gap <= bound && plan.rigidity.deformation <= bound);
-            assert!(plan.max_closure <= bound);
+            assert!(plan.errors.rigidity.gap <= bound && plan.errors.rigidity.deformation <= bound);
+            assert!(plan.errors.closure <= bound);
         }
         // The sheet closes to about the noise in its coordinates: within the loose bound, but not within the tight one.
         let planned = plan.outcome == Outcome::Planned;
@@ -270,7 +270,7 @@ fn plan_derives_the_essential_tolerance_from_the_bound() {
             assert!(planned, "{:?}", plan.reason);
         }
         if bound <= 1e-8 {
-            assert!(!planned, "{:?}", plan.rigidity);
+            assert!(!planned, "{:?}", plan.errors.rigidity);
         }
     }
 }

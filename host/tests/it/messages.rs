@@ -203,10 +203,6 @@ fn reasons_are_sentences() {
                 .into(),
         ),
         (
-            Reason::NothingNearer,
-            "no other motion leads on".into(),
-        ),
-        (
             Reason::NoFoldSequence,
             "no sequence of folds was found that is free of crossings".into(),
         ),

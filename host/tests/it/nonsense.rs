@@ -100,7 +100,7 @@ fn a_sheet_far_from_the_origin_is_the_same_sheet() {
             let goal = Goal::of_pattern(&pattern).unwrap();
             let plan = plan(&pattern, &goal, &PlanOptions::default());
             assert_eq!(plan.outcome, Outcome::Planned, "{far}: {:?}", plan.reason);
-            let certified = plan.certified_deformation.unwrap();
+            let certified = plan.certified_deformation().unwrap();
             assert!(certified < 1e-12 * far, "{far}: {certified}");
         }
     }
@@ -131,7 +131,7 @@ fn what_is_not_certified_within_the_bound_is_not_planned() {
             &Goal::of_letters(&pattern, 0.5).unwrap(),
             &PlanOptions::default(),
         );
-        let proved = plan.certified_deformation.unwrap() <= PlanOptions::default().bound;
+        let proved = plan.certified_deformation().unwrap() <= PlanOptions::default().bound;
         assert_eq!(proved, certified);
         let reason = &plan.reason;
         let said = reason

@@ -2,7 +2,7 @@
 
 use crate::common::{near, placed};
 use foldpath::planner::Overshoot;
-use foldpath::planner::timing::{OptimalTimeLaw, RateLimits, SampledPath};
+use foldpath::planner::timing::{OptimalTimeLaw, RateLimits};
 use foldpath_core::Interpolation;
 use foldpath_core::trajectory::TrajectoryView;
 
@@ -133,16 +133,11 @@ fn knots_where_the_law_switches_keep_the_limits() {
             .collect()
     };
     let (first, second): (Vec<f64>, Vec<f64>) = (row(1), row(2));
-    let path = SampledPath {
-        parameters: &parameters,
-        first: &first,
-        second: &second,
-    };
     let limits = RateLimits {
         speeds: &speeds,
         accelerations: &accelerations,
     };
-    let law = OptimalTimeLaw::time_optimal(path, limits).unwrap();
+    let law = OptimalTimeLaw::time_optimal(&parameters, [&first, &second], limits).unwrap();
     let place = placed(&law);
     let used = |times: &[f64]| {
         let at = |&time: &f64| {

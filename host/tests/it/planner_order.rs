@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 46] = [
+const ORDER: [&str; 51] = [
     "vectors",
     "goal",
     "knots",
@@ -24,6 +24,7 @@ const ORDER: [&str; 46] = [
     "following/branch",
     "following/judge",
     "following/mobility",
+    "following/legs",
     "following/route",
     "following/route_selection",
     "foldability/interior_point",
@@ -37,7 +38,9 @@ const ORDER: [&str; 46] = [
     "placement/timing",
     "placement/reduced_path",
     "placement/segment",
+    "placement/knot_placer",
     "placement/knot_placement",
+    "lifting/lifted",
     "lifting/certified_motion",
     "lifting/measured_motion",
     "lifting/swept_motion",
@@ -45,6 +48,8 @@ const ORDER: [&str; 46] = [
     "strategies/arrival",
     "strategies/simple_folds",
     "strategies/pipeline",
+    "strategies/rows",
+    "strategies/stops",
     "strategies/fold_sequence",
     "strategies/split_phases",
     "strategies/way_round",
@@ -86,6 +91,41 @@ fn files_use_only_files_before_them() {
         }
     }
     assert!(files > 100, "{files} uses were found");
+}
+
+/// The architecture document has a row for each strategy of the planner's table, in the order of the table.
+#[test]
+fn strategies_are_documented_in_their_order() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |path: &str| fs::read_to_string(root.join(path)).unwrap();
+    let (driver, plan) = (
+        read("src/planner/strategies/driver.rs"),
+        read("src/planner/plan.rs"),
+    );
+    let table = driver.split_once("static STRATEGIES").unwrap().1;
+    let table = table.split_once("\n];").unwrap().0.lines().map(str::trim);
+    let strategies = table.filter_map(|line| match line {
+        "BASE," => Some("CreaseGroups"),
+        "other_seed(0)," => Some("OtherSeed"),
+        _ => line.strip_prefix("strategy: Strategy::")?.strip_suffix(','),
+    });
+    let names: Vec<&str> = strategies
+        .map(|strategy| {
+            let name = plan
+                .split_once(&format!("Self::{strategy} => \""))
+                .unwrap()
+                .1;
+            name.split_once('"').unwrap().0
+        })
+        .collect();
+    let document = read("../ARCHITECTURE.md");
+    let rows = document.split_once("| strategy | tried if |").unwrap().1;
+    let rows = rows.lines().skip(2).take_while(|line| !line.is_empty());
+    let documented: Vec<&str> = rows
+        .map(|row| row.split('|').nth(1).unwrap().trim().trim_end_matches(" *"))
+        .collect();
+    assert_eq!(documented, names);
+    assert_eq!(names.len(), 14);
 }
 
 #[test]

@@ -291,7 +291,10 @@ fn a_defect_gives_no_wrong_groups() {
         let goal = Goal::of_pattern(&pattern).unwrap();
         let answer = plan(&pattern, &goal, &PlanOptions::default());
         if answer.outcome == Outcome::Planned {
-            assert!(answer.max_closure <= answer.essential_tolerance, "{what}");
+            assert!(
+                answer.errors.closure <= answer.reduced.closure_tolerance,
+                "{what}"
+            );
         } else {
             assert!(answer.reason.is_some(), "{what}");
         }
@@ -374,10 +377,10 @@ fn real_files_have_few_groups_and_close() {
             groups.len(),
             groups.tolerance(),
             answer.outcome,
-            answer.groups,
-            answer.rigidity.deformation,
-            answer.rigidity.gap,
-            answer.max_closure,
+            answer.reduced.groups,
+            answer.errors.rigidity.deformation,
+            answer.errors.rigidity.gap,
+            answer.errors.closure,
             answer.notes
         );
         let last = answer.knots().last().expect("a path");
@@ -387,7 +390,10 @@ fn real_files_have_few_groups_and_close() {
             .iter()
             .map(|m| Some(m.apply(angles[m.group.index()])));
         let closure = closure_of(&pattern, &creases.collect::<Vec<_>>()).unwrap();
-        assert!(closure <= answer.essential_tolerance, "{name}: {closure:e}");
+        assert!(
+            closure <= answer.reduced.closure_tolerance,
+            "{name}: {closure:e}"
+        );
     }
 }
 

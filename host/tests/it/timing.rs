@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, TAU};
 
 use crate::common::{near, placed};
-use foldpath::planner::timing::{OptimalTimeLaw, RateLimits, SampledPath};
+use foldpath::planner::timing::{OptimalTimeLaw, RateLimits};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -43,16 +43,11 @@ impl Case {
     }
 
     fn law(&self) -> Option<OptimalTimeLaw> {
-        let path = SampledPath {
-            parameters: &self.parameters,
-            first: &self.first,
-            second: &self.second,
-        };
         let limits = RateLimits {
             speeds: &self.speeds,
             accelerations: &self.accelerations,
         };
-        OptimalTimeLaw::time_optimal(path, limits)
+        OptimalTimeLaw::time_optimal(&self.parameters, [&self.first, &self.second], limits)
     }
 
     fn at_rest(&self) -> OptimalTimeLaw {

@@ -185,7 +185,7 @@ fn a_flap_turns_beside_a_locked_vertex() {
             continue;
         }
         turned += 1;
-        assert_eq!(plan.flat_creases, count, "{ways:?}");
+        assert_eq!(plan.arrival.flat_creases, count, "{ways:?}");
         let motion = plan.motion.as_ref().unwrap();
         let end = motion.node(motion.knots.len() - 1, pattern.creases()[flap.index()]);
         let far = (0.3 * PI..0.401 * PI).contains(&end.angle);

@@ -159,7 +159,7 @@ fn a_goal_that_crosses_by_less_than_its_motion_may_tear_is_none() {
     let options = PlanOptions::default().with(|it| it.collision = false);
     let blind = planned(sheet, &options);
     assert_eq!(blind.plan.outcome, Outcome::Planned);
-    let certified = blind.plan.certified_deformation.unwrap();
+    let certified = blind.plan.certified_deformation().unwrap();
     assert!(certified > 3e-4, "{certified:e}");
     let file = path_file(&blind.text()).unwrap();
     let failures = check(&file, &strict()).findings();
@@ -217,10 +217,10 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
         let planned = planned(wide.sheet(seed), &options);
         let plan = &planned.plan;
         assert_eq!(plan.outcome, Outcome::Planned, "{seed}: {plan:?}");
-        let worst = plan.max_closure * plan.amplification.unwrap();
+        let worst = plan.errors.closure * plan.reduced.amplification.unwrap();
         assert!(worst > options.bound, "{seed}: {worst:e}");
         assert!(
-            plan.rigidity.worst() < plan.certified_deformation.unwrap(),
+            plan.errors.rigidity.worst() < plan.certified_deformation().unwrap(),
             "{seed}: {plan:?}"
         );
         let verdict = |bound| {
@@ -229,7 +229,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
         };
         assert_eq!(verdict(options.bound).findings(), [""; 0], "{seed}");
         // The measured gap counts: a bound below it is refused.
-        assert!(!verdict(plan.rigidity.gap / 2.0).holds(), "{seed}");
+        assert!(!verdict(plan.errors.rigidity.gap / 2.0).holds(), "{seed}");
         let tally = run(wide, seed, 1, &options);
         assert_eq!(tally.disagreements, [], "{seed}");
     }
@@ -242,7 +242,7 @@ fn a_sheet_is_planned_that_is_torn_by_nearly_the_bound() {
     let options = PlanOptions::default().with(|it| it.bound = 4.6e-3);
     let plan = planned(wide.unwrap().sheet(20), &options).plan;
     assert_eq!(plan.outcome, Outcome::Planned, "{plan:?}");
-    let certified = plan.certified_deformation.unwrap();
+    let certified = plan.certified_deformation().unwrap();
     assert!(certified > 0.8 * options.bound, "{certified:e}");
     assert!(certified <= options.bound, "{certified:e}");
 }
@@ -290,8 +290,8 @@ fn squares_are_folded_as_they_were_before_rounding() {
             let what = format!("{seed} {unit:e}: {plan:?}");
             assert_eq!(plan.outcome, Outcome::Planned, "{what}");
             // The rounding error over the shortest edge, times a few lines and faces.
-            assert!(plan.rigidity.gap <= 100.0 * unit, "{what}");
-            let certified = plan.certified_deformation.unwrap();
+            assert!(plan.errors.rigidity.gap <= 100.0 * unit, "{what}");
+            let certified = plan.certified_deformation().unwrap();
             assert!(certified <= 1000.0 * unit, "{what}");
             let bound = options.bound;
             let judged = strict().with(|it| it.bound = bound);
@@ -355,7 +355,7 @@ fn an_unproved_path_ends_where_it_is_proved() {
                 matches!(planned.outcome, Outcome::Crossing(_)),
                 "{seed}: {planned:?}"
             );
-            let certified = planned.certified_deformation.unwrap();
+            let certified = planned.certified_deformation().unwrap();
             assert!(certified <= options.bound, "{seed}: {planned:?}");
             assert!((0.0..1.0).contains(&planned.reached), "{seed}: {planned:?}");
             unproved += usize::from(

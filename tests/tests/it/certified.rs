@@ -90,7 +90,7 @@ fn no_sample_is_worse_than_certified() {
             let plan = &planned.plan;
             let what = format!("{name} within {bound:e}");
             assert_eq!(plan.outcome, Outcome::Planned, "{what}: {:?}", plan.reason);
-            let [closure, deformation] = [plan.certified_closure, plan.certified_deformation];
+            let [closure, deformation] = [plan.certified_closure(), plan.certified_deformation()];
             let [closure, deformation] = [closure, deformation].map(|c| c.expect("a certificate"));
             let most = bound.min(CERTIFIED) / 2.0;
             assert!(
@@ -127,6 +127,6 @@ fn samples_see_a_motion_with_too_few_knots() {
     });
     let (sheet, motion) = (Sheet::of(&file).unwrap(), Motion::of(&file).unwrap());
     let stars = distinct_stars(&sheet, &motion);
-    assert!(most_open(&sheet, &motion, &stars) > planned.plan.certified_closure.unwrap());
-    assert!(most_torn(&sheet, &motion) > planned.plan.certified_deformation.unwrap());
+    assert!(most_open(&sheet, &motion, &stars) > planned.plan.certified_closure().unwrap());
+    assert!(most_torn(&sheet, &motion) > planned.plan.certified_deformation().unwrap());
 }

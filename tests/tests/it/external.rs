@@ -72,17 +72,17 @@ fn the_report_authors_patterns_are_planned() {
             .join(name)
             .with_extension("fold");
         let plan = Planned::of(read_pattern(&file).unwrap(), &PlanOptions::default()).plan;
-        let what = format!("{name}: {:?} {:?}", plan.reason, plan.rigidity);
+        let what = format!("{name}: {:?} {:?}", plan.reason, plan.errors.rigidity);
         assert_eq!(plan.outcome, Outcome::Planned, "{what}");
         assert!(
-            plan.rigidity.deformation <= 1e-6 && plan.rigidity.gap <= 1e-6,
+            plan.errors.rigidity.deformation <= 1e-6 && plan.errors.rigidity.gap <= 1e-6,
             "{what}"
         );
         assert!(plan.knots().len() <= knots, "{what}");
         assert!(
-            plan.goal_error.to_degrees() <= degrees,
+            plan.arrival.error.to_degrees() <= degrees,
             "{what}: {}",
-            plan.goal_error
+            plan.arrival.error
         );
     }
 }

@@ -55,7 +55,7 @@ fn planned(name: &str, pattern: &CreasePattern) -> Option<Planned> {
     Some(Planned {
         name: name.into(),
         motion: plan.motion?,
-        certified: plan.certified_deformation?,
+        certified: plan.certified_deformation()?,
     })
 }
 

@@ -106,20 +106,19 @@ fn count(planned: &Planned, counts: &Counts) {
     let (pattern, plan) = (&planned.file.pattern, &planned.plan);
     assert_eq!(pattern.creases().len(), counts.creases);
     assert_eq!(pattern.real_vertices().count(), counts.real_vertices);
-    assert_eq!(plan.groups, counts.groups);
-    assert_eq!(plan.unknowns, counts.groups);
-    assert_eq!(plan.essential_vertices, counts.essential_vertices);
+    assert_eq!(plan.reduced.groups, counts.groups);
+    assert_eq!(plan.reduced.essential_vertices, counts.essential_vertices);
 }
 
 /// Checks the numbers that the planner reports.
 fn believe(plan: &Plan) {
     assert_eq!(plan.outcome, Outcome::Planned, "{:?}", plan.reason);
-    assert!(plan.rigidity.deformation <= RIGID);
-    assert!(plan.rigidity.gap <= RIGID);
-    assert!(plan.max_closure <= CLOSED);
-    assert!(plan.certified_closure.unwrap() <= CERTIFIED);
-    assert!(plan.certified_deformation.unwrap() <= CERTIFIED);
-    assert!(plan.goal_error.to_degrees() <= GOAL_DEGREES);
+    assert!(plan.errors.rigidity.deformation <= RIGID);
+    assert!(plan.errors.rigidity.gap <= RIGID);
+    assert!(plan.errors.closure <= CLOSED);
+    assert!(plan.certified_closure().unwrap() <= CERTIFIED);
+    assert!(plan.certified_deformation().unwrap() <= CERTIFIED);
+    assert!(plan.arrival.error.to_degrees() <= GOAL_DEGREES);
 }
 
 /// Checks the numbers that the oracle measures on the written path.
@@ -200,10 +199,10 @@ fn check_agrees(plan: &Plan, text: &str) {
     assert!(knots.closure() <= CLOSED);
     let verdict = check(&file, &strict());
     assert_eq!(verdict.findings(), [""; 0]);
-    let most = plan.certified_deformation.unwrap() + RIGID;
+    let most = plan.certified_deformation().unwrap() + RIGID;
     assert!(verdict.rigidity().deformation <= most);
     assert!(verdict.rigidity().gap <= most);
-    assert!(verdict.closure() <= plan.certified_closure.unwrap() + CLOSED);
+    assert!(verdict.closure() <= plan.certified_closure().unwrap() + CLOSED);
 }
 
 #[test]

@@ -12,10 +12,14 @@ fn planning_a_miura_is_the_same_work_for_any_size() {
     for name in ["miura-5x5", "miura-11x11", "miura-24x24"] {
         let large = plan(name);
         // The mean of many equal goal angles may be off in its last digits, which one more step corrects.
-        let more = large.iterations.abs_diff(small.iterations);
-        assert!(more <= 1, "{name}: {} iterations", large.iterations);
-        let more = large.evaluations.abs_diff(small.evaluations);
-        assert!(more <= 2, "{name}: {} evaluations", large.evaluations);
+        let more = large.effort.iterations.abs_diff(small.effort.iterations);
+        assert!(more <= 1, "{name}: {} iterations", large.effort.iterations);
+        let more = large.effort.evaluations.abs_diff(small.effort.evaluations);
+        assert!(
+            more <= 2,
+            "{name}: {} evaluations",
+            large.effort.evaluations
+        );
         assert_eq!(large.knots().len(), small.knots().len(), "{name}");
         let knots = large.knots().iter().zip(small.knots());
         let angles = knots.flat_map(|(large, small)| large.angles.iter().zip(&small.angles));
@@ -39,7 +43,7 @@ fn planning_every_crease_finds_the_motion_of_the_groups() {
         let free = Planned::new(name, &every_crease);
         let (pattern, free) = (&free.file.pattern, &free.plan);
         assert_eq!(free.outcome, Outcome::Planned, "{name}: {:?}", free.reason);
-        assert_eq!((grouped.unknowns, free.unknowns), (2, creases));
+        assert_eq!((grouped.reduced.groups, free.reduced.groups), (2, creases));
 
         let goals = goal_angles(name);
         let goals = pattern
@@ -69,6 +73,6 @@ fn planning_every_crease_finds_the_motion_of_the_groups() {
         }
         let flat = free.knots()[0].angles.iter().map(|a| a.abs());
         assert!(worst(flat) <= 1e-9);
-        assert!(worst([free.goal_error, grouped.goal_error]) <= 1e-9);
+        assert!(worst([free.arrival.error, grouped.arrival.error]) <= 1e-9);
     }
 }

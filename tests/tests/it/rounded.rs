@@ -44,14 +44,21 @@ fn rounding_keeps_the_groups_and_costs_its_own_size() {
         for unit in [1e-14, 1e-12, 1e-10, 1e-8] {
             let file = rounded(name, unit).unwrap();
             let plan = Planned::of(file, &PlanOptions::default()).plan;
-            let what = format!("{name} {unit:e}: {:?} {:?}", plan.reason, plan.rigidity);
+            let what = format!(
+                "{name} {unit:e}: {:?} {:?}",
+                plan.reason, plan.errors.rigidity
+            );
             assert_eq!(plan.outcome, Outcome::Planned, "{what}");
-            assert_eq!(plan.groups, groups, "{what}");
+            assert_eq!(plan.reduced.groups, groups, "{what}");
             // A direction is off by the unit, and the errors of 24 cells in a row add up.
             let allowed = 1e3 * unit + 1e-12;
-            assert!(plan.rigidity.deformation <= allowed, "{what}");
-            assert!(plan.rigidity.gap <= allowed, "{what}");
-            assert!(plan.goal_error <= allowed, "{what}: {}", plan.goal_error);
+            assert!(plan.errors.rigidity.deformation <= allowed, "{what}");
+            assert!(plan.errors.rigidity.gap <= allowed, "{what}");
+            assert!(
+                plan.arrival.error <= allowed,
+                "{what}: {}",
+                plan.arrival.error
+            );
         }
     }
 }
@@ -71,8 +78,8 @@ fn coarse_rounding_never_passes_for_another_goal() {
             };
             let plan = Planned::of(file, &PlanOptions::default()).plan;
             if plan.outcome == Outcome::Planned {
-                assert!(plan.goal_error <= CHOSEN_REACH, "{name} {unit:e}");
-                assert!(plan.rigidity.deformation <= PlanOptions::default().bound);
+                assert!(plan.arrival.error <= CHOSEN_REACH, "{name} {unit:e}");
+                assert!(plan.errors.rigidity.deformation <= PlanOptions::default().bound);
             } else {
                 assert!(plan.reason.is_some(), "{name} {unit:e}");
             }
@@ -105,7 +112,7 @@ fn the_certified_closure_holds_of_every_vertex() {
         });
         let (plan, sheet, motion) = planned(name, 1e-4, &options);
         let stars = sheet.stars();
-        let certified = plan.certified_closure.unwrap();
+        let certified = plan.certified_closure().unwrap();
         let places = (0..motion.segments()).flat_map(|k| (0..=100).map(move |i| (k, i)));
         let shapes = places.map(|(k, i)| motion.angles(k, f64::from(i) / 100.0));
         let open = worst(shapes.map(|angles| sheet.closure_round(&stars, &angles)));

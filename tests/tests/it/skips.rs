@@ -44,7 +44,7 @@ fn compare(file: &Path, switches: &[Skips]) {
         let name = format!("{} {skips:?}", file.display());
         assert_eq!(some.outcome.name(), all.outcome.name(), "{name}");
         assert!((some.reached - all.reached).abs() < 1e-4, "{name}");
-        let clearance = |plan: &Plan| plan.clearance.map(|clearance| clearance.distance);
+        let clearance = |plan: &Plan| plan.crossings.clearance.map(|clearance| clearance.distance);
         // More queries may find faces that are nearer to each other.
         match (clearance(&all), clearance(&some)) {
             (Some(all), Some(some)) => assert!(some <= all + 1e-9, "{name}: {some} {all}"),

@@ -103,10 +103,10 @@ fn creases_round_a_hole_that_contradict_each_other_are_not_planned() {
     let nearly = plan(with(40.0, 41.0), &options);
     assert_eq!(nearly.outcome, Outcome::Planned, "{nearly:?}");
     assert!(
-        (nearly.goal_error.to_degrees() - 0.5).abs() < 1e-3,
+        (nearly.arrival.error.to_degrees() - 0.5).abs() < 1e-3,
         "{nearly:?}"
     );
-    assert!(nearly.max_closure < 1e-12);
+    assert!(nearly.errors.closure < 1e-12);
 }
 
 /// A Miura vertex with one angle not given: the other angles determine it.
@@ -166,9 +166,9 @@ fn an_exact_goal_is_not_moved_to_a_symmetric_one() {
     let exact = plan(pattern(&vertices, &edges), &PlanOptions::default());
     assert_eq!(exact.outcome, Outcome::Planned, "{:?}", exact.reason);
     assert!(
-        exact.goal_error < 1e-9,
+        exact.arrival.error < 1e-9,
         "{} {:?}",
-        exact.goal_error,
+        exact.arrival.error,
         exact.notes
     );
 }

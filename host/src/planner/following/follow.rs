@@ -20,6 +20,8 @@ pub(crate) struct Waypoint {
     pub(crate) tangent: Vec<f64>,
     /// `true` if this is a goal on the way, where one phase of the motion ends and another begins.
     pub(crate) ends_phase: bool,
+    /// Path length from the start, once the path is measured.
+    pub(crate) arc_length: f64,
 }
 
 impl Waypoint {
@@ -29,7 +31,18 @@ impl Waypoint {
             angles,
             tangent,
             ends_phase: false,
+            arc_length: 0.0,
         }
+    }
+
+    /// Returns `true` if the motion rests here, as at a corner.
+    pub(crate) fn rests(&self) -> bool {
+        max_norm(&self.tangent) <= 0.0
+    }
+
+    /// Returns `true` if there has to be a knot here.
+    pub(crate) fn stays(&self) -> bool {
+        self.rests() || self.ends_phase
     }
 }
 

@@ -1,10 +1,13 @@
 //! Judges configurations on the whole sheet, to which a path found on few unknowns is lifted.
 
+use nalgebra::Vector3;
+
 use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity};
+use crate::motion::Knot;
 use crate::pattern::{CreaseId, CreasePattern};
-use crate::planner::knots::Knot;
+use crate::planner::PlanOptions;
 use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
 
@@ -16,8 +19,6 @@ pub(crate) struct Judge<'a> {
     /// Depth up to which an overlap of faces is contact, median edges.
     contact: f64,
     scene: Option<CollisionScene>,
-    /// `true` if judged knots keep the folded positions of the vertices.
-    pub(crate) keep_vertices: bool,
 }
 
 impl<'a> Judge<'a> {
@@ -33,27 +34,32 @@ impl<'a> Judge<'a> {
             map: FoldingMap::flat(pattern),
             contact: problem.contact,
             scene: collision.then(|| CollisionScene::new(pattern)),
-            keep_vertices: false,
         }
     }
 
-    /// Folds the sheet at a knot, stores the measured errors in the knot, and returns the deepest crossing.
-    pub(crate) fn judge(&mut self, knot: &mut Knot) -> Option<Crossing> {
-        let angles = &knot.stored.angles;
+    /// Folds the sheet by these group angles, and returns its errors; the twist is the closure residual, if that is larger.
+    pub(crate) fn errors_at(&mut self, angles: &[f64]) -> Rigidity {
         self.place(angles);
         let rigidity = self.map.rigidity(self.pattern, self.reduction.tree);
         let closure = self.reduction.closure_of_sheet(angles);
-        knot.set_errors(Rigidity {
+        Rigidity {
             twist: closure.max(rigidity.twist),
             ..rigidity
-        });
-        if self.keep_vertices {
-            knot.stored.vertices = self.map.vertices().to_vec();
         }
-        self.crossing()
     }
 
-    /// Returns the deepest crossing at these group angles.
+    /// Returns `true` if the sheet closes at these fold angles of the creases (radians), and no faces cross.
+    pub(crate) fn is_free(&mut self, creases: &[f64], options: &PlanOptions) -> bool {
+        let errors = self.errors_at(&self.reduction.groups.reduce_all(creases));
+        self.crossing().is_none() && errors.twist <= self.reduction.closure_tolerance(options)
+    }
+
+    /// Returns the positions of the vertices as the sheet was folded last.
+    pub(crate) fn vertices(&self) -> &[Vector3<f64>] {
+        self.map.vertices()
+    }
+
+    /// Returns the deepest crossing at these group angles, if crossings are looked for.
     pub(crate) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.place(angles);
         self.crossing()
@@ -72,7 +78,8 @@ impl<'a> Judge<'a> {
         counts.unwrap_or_default()
     }
 
-    fn crossing(&mut self) -> Option<Crossing> {
+    /// Returns the deepest crossing of the sheet as it was folded last, if crossings are looked for.
+    pub(crate) fn crossing(&mut self) -> Option<Crossing> {
         let scene = self.scene.as_mut()?;
         scene.deepest_crossing(&self.map, self.contact)
     }
@@ -108,12 +115,12 @@ impl<'a> Judge<'a> {
         let mut scene = part.as_ref().map(|part| CollisionScene::new(&part.pattern));
         knots.iter().enumerate().find_map(|(index, knot)| {
             if let (Some(part), Some(scene)) = (&mut part, &mut scene) {
-                part.fold(self.reduction, &knot.stored.angles);
+                part.fold(self.reduction, &knot.angles);
                 scene.deepest_crossing(&part.map, self.contact)?;
             }
             let whole = || CollisionScene::new(self.pattern);
             self.scene.get_or_insert_with(whole);
-            Some((index, self.crossing_at(&knot.stored.angles)?))
+            Some((index, self.crossing_at(&knot.angles)?))
         })
     }
 }

@@ -6,6 +6,7 @@
 pub(super) mod branch;
 pub(super) mod follow;
 pub(super) mod judge;
+pub(super) mod legs;
 pub(super) mod mobility;
 pub(super) mod reduction;
 pub(super) mod route;

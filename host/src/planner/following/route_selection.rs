@@ -1,13 +1,11 @@
 //! Chooses the crease groups and the route on them: symmetry is a shortcut, and a path that is not found with it is
 //! looked for without it.
 
-use core::time::Duration;
-
 use super::follow::Waypoint;
 use super::reduction::{CLOSED, Reduction, SAME_RAD};
 use super::route::{End, Route};
 use crate::planner::Symmetry;
-use crate::planner::closing::solver::Work;
+use crate::planner::plan::Effort;
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
@@ -18,21 +16,9 @@ use crate::util::clock::Instant;
 /// less symmetry or moved coordinates.
 pub(crate) const FARTHER_RATIO: f64 = 0.01;
 
-/// The route that leads farthest, with what was found on the way to it. Its notes, times and work are those of all
-/// routes that were tried.
-pub(crate) struct SelectedRoute<'a> {
-    pub(crate) route: Route<'a>,
-    /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
-    /// farther without them.
-    pub(crate) symmetric: Option<Reduction<'a>>,
-    /// Closure residual of the goal as asked, with every crease on its own, if all creases have an angle and the
-    /// residual was needed.
-    pub(crate) asked_closure: Option<f64>,
-}
-
-/// Finds the route that leads farthest. Returns `None` if the error model changes nothing of this sheet, or allows no
-/// path.
-pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+/// Finds the route that leads farthest. Its notes, times and work are those of all routes that were tried. Returns `None`
+/// if the error model changes nothing of this sheet, or allows no path.
+pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     match problem.errors {
         ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
         ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),
@@ -40,7 +26,7 @@ pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Selected
 }
 
 /// Finds the route that leads farthest on any of the proposed crease groups, and without any.
-fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> {
+fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     let start = Instant::now();
     problem.watch.begin(Stage::Symmetry);
     let (pattern, goal) = (problem.pattern, problem.goal);
@@ -51,9 +37,8 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
         closure_of(pattern, &goal.fold_angles)
     };
     let exact = asked_closure.is_some_and(|closure| closure <= CLOSED);
-    let mut symmetry = start.elapsed();
-    let mut following = Duration::ZERO;
-    let mut work = Work::default();
+    let mut effort = Effort::default();
+    effort.times.symmetry = start.elapsed();
     let mut notes = Vec::new();
     let mut best: Option<Route<'_>> = None;
     let mut symmetric: Option<Reduction<'_>> = None;
@@ -69,12 +54,10 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
             goal.reach
         };
         let reduction = Reduction::of(problem, groups);
-        symmetry += start.elapsed();
+        effort.times.symmetry += start.elapsed();
         problem.watch.begin(Stage::Following);
         let route = Route::find(problem, reduction, reach, exactly);
-        symmetry += route.symmetry;
-        following += route.following;
-        work += route.work;
+        effort += route.effort;
         let dropped = match best.take() {
             Some(before) if before.rank() + FARTHER_RATIO >= route.rank() => {
                 best = Some(before);
@@ -101,22 +84,19 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<SelectedRoute<'a>> 
     }
     let mut route = best?;
     notes.append(&mut route.notes);
-    Some(SelectedRoute {
-        route: Route {
-            notes,
-            symmetry,
-            following,
-            work,
-            ..route
-        },
+    effort.is_random = route.effort.is_random;
+    Some(Route {
+        notes,
+        effort,
         symmetric,
         asked_closure,
+        ..route
     })
 }
 
 /// Finds the route of every crease on its own, with stars that are taken to fold flat exactly where they nearly do.
 /// Returns `None` if no star changes, or the sheet as it is does not close as well along the route as the bound needs.
-fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<SelectedRoute<'a>> {
+fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<Route<'a>> {
     let start = Instant::now();
     let PlanningProblem {
         pattern,
@@ -135,12 +115,8 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<S
         return None;
     }
     route.notes.push(Note::Snapped { turned });
-    route.symmetry += symmetry;
-    Some(SelectedRoute {
-        route,
-        symmetric: None,
-        asked_closure: None,
-    })
+    route.effort.times.symmetry += symmetry;
+    Some(route)
 }
 
 /// Returns crease groups to try one after the other, each with `true` if the goal has to close exactly under them. Groups

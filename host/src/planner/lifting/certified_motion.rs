@@ -1,24 +1,19 @@
 //! From the reduced path to a certified motion: places knots on the path, and bounds deformation and gap of the whole
 //! sheet between them.
 
-use core::time::Duration;
-
 use foldpath_core::Curve;
 
 use crate::certificate::{FoldingCertifier, SheetCertifier};
 use crate::planner::following::follow::Waypoint;
 use crate::planner::following::reduction::{CLOSED, Reduction};
-use crate::planner::knots::{Path, curves};
-use crate::planner::placement::knot_placement::{
-    KnotSequence, PlacementConstraints, SheetBounds, place,
-};
+use crate::planner::knots::KnotSequence;
+use crate::planner::placement::knot_placement::place;
+use crate::planner::placement::knot_placer::{PlacementConstraints, SheetBounds};
 use crate::planner::placement::reduced_path::ReducedPath;
-use crate::planner::plan::{Failure, Outcome};
+use crate::planner::plan::Certificate;
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{Reason, TimeoutAt};
 use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
-use crate::util::clock::Instant;
 use crate::util::nan_max::larger;
 
 /// Largest number of knots of a path.
@@ -31,39 +26,6 @@ const RESIDUAL_RATIO: f64 = 1.25;
 /// Largest number of knots for each waypoint on such a motion.
 const KNOTS_PER_WAYPOINT: usize = 4;
 
-/// A path that is found but not yet certified.
-pub(crate) struct CandidatePath<'a> {
-    /// Waypoints, from flat.
-    pub(crate) waypoints: &'a [Waypoint],
-    /// Closure residual up to which a local minimum counts as closed.
-    pub(crate) closure_tolerance: f64,
-    /// Fraction of the way to the goal that the path goes.
-    pub(crate) reached: f64,
-    /// `true` if the path may stop a little before its end so that nothing crosses.
-    pub(crate) retreats: bool,
-    /// Fraction of the bound for which the motion between knots is certified.
-    pub(crate) bound_fraction: f64,
-    /// Motion that was placed for a larger fraction, and whose sweep did not find it free of crossings.
-    pub(crate) before: Option<&'a Path>,
-}
-
-/// Bounds on the whole sheet over the whole motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Certificate {
-    /// Bound on the closure residual of every real vertex and hole; `None` if unknown.
-    pub(crate) closure: Option<f64>,
-    /// Bound on deformation and gap; infinite if unknown.
-    pub(crate) deformation: f64,
-}
-
-impl Certificate {
-    /// Returns the certified deformation if it is over the bound.
-    pub(crate) fn over(&self, bound: f64) -> Option<f64> {
-        let over = self.deformation > bound || self.deformation.is_nan();
-        over.then_some(self.deformation)
-    }
-}
-
 /// Knots that were placed, and what is proved of the motion.
 #[derive(Default)]
 pub(crate) struct Placement {
@@ -71,8 +33,6 @@ pub(crate) struct Placement {
     pub(crate) knots: Option<KnotSequence>,
     /// Bounds on the motion with these knots; without knots, those on the motion that was tried last, if one was.
     pub(crate) certificate: Option<Certificate>,
-    /// Time spent.
-    pub(crate) time: Duration,
 }
 
 impl Placement {
@@ -80,7 +40,6 @@ impl Placement {
         Self {
             knots: Some(knots),
             certificate: Some(certificate),
-            time: Duration::ZERO,
         }
     }
 
@@ -98,64 +57,72 @@ impl Placement {
     }
 }
 
-/// The lifting of a path to the whole sheet.
-#[derive(Clone, Copy)]
+/// A path that is found but not yet certified, to be lifted to the whole sheet.
 pub(crate) struct Lifting<'a> {
     pub(crate) problem: &'a PlanningProblem<'a>,
     pub(crate) reduction: &'a Reduction<'a>,
-    pub(crate) candidate: &'a CandidatePath<'a>,
-    /// The candidate as geometry.
-    pub(crate) path: &'a ReducedPath,
+    /// Waypoints, from flat.
+    pub(crate) waypoints: &'a [Waypoint],
+    /// The waypoints as geometry.
+    pub(crate) path: ReducedPath,
+    /// Closure residual up to which a local minimum counts as closed.
+    pub(crate) closure_tolerance: f64,
+    /// Fraction of the way to the goal that the path goes.
+    pub(crate) reached: f64,
+    /// Closure residual of the goal as asked, if the path may stop a little before it so that nothing crosses.
+    pub(crate) open_goal: Option<f64>,
+    /// Largest closure residual over the knots of the motion that this one is a part of; 0 if there is none.
+    pub(crate) min_closure: f64,
 }
 
-impl Lifting<'_> {
-    /// Places knots on the path, certified between them.
-    pub(crate) fn place_knots(&self) -> Placement {
-        let start = Instant::now();
+impl<'a> Lifting<'a> {
+    /// Makes the lifting of a path that leads to a goal which closes.
+    pub(crate) fn new(
+        problem: &'a PlanningProblem<'a>,
+        reduction: &'a Reduction<'a>,
+        waypoints: &'a [Waypoint],
+        closure_tolerance: f64,
+    ) -> Self {
+        Self {
+            problem,
+            reduction,
+            waypoints,
+            path: ReducedPath::new(waypoints),
+            closure_tolerance,
+            reached: 1.0,
+            open_goal: None,
+            min_closure: 0.0,
+        }
+    }
+
+    /// Places knots on the path, certified between them for a fraction of the bound.
+    pub(crate) fn place_knots(&self, bound_fraction: f64) -> Placement {
         let (problem, reduction) = (self.problem, self.reduction);
         problem.watch.begin(Stage::Placing);
-        let bound = problem.options.bound.min(CERTIFIED_DEFORMATION);
-        let aim = reduction.tolerance(bound * self.candidate.bound_fraction);
+        let aim = problem.options.bound.min(CERTIFIED_DEFORMATION) * bound_fraction;
+        let closure = reduction.tolerance(aim);
         let open = self.max_residual(&reduction.essential);
-        let placement = if problem.errors.is_measured() {
-            self.measured().unwrap_or_default()
+        if problem.errors.is_measured() {
+            self.measured(aim).unwrap_or_default()
         } else if open <= CLOSED {
-            self.closed(aim).unwrap_or_default()
+            self.closed(closure).unwrap_or_default()
         } else {
-            let nearly = open <= aim / RESIDUAL_RATIO;
-            let closed = nearly.then(|| self.closed(aim)).flatten();
+            let nearly = open <= closure / RESIDUAL_RATIO;
+            let closed = nearly.then(|| self.closed(closure)).flatten();
             let closed = closed.unwrap_or_default();
             if closed.keeps(problem.options.bound) {
                 closed
             } else {
                 self.nearly_closed().or_bounds_of(&closed)
             }
-        };
-        Placement {
-            time: start.elapsed(),
-            ..placement
         }
     }
 
-    /// Returns the failure to place knots.
-    pub(crate) fn unplaced(&self) -> Failure {
-        if self.problem.is_late() {
-            return Failure::out_of_time(TimeoutAt::PlacingKnots);
-        }
-        Failure {
-            outcome: Outcome::Partial,
-            reason: Reason::TooManyKnots {
-                budget: self.knot_budget(),
-            },
-            kept: 0.0,
-        }
-    }
-
-    /// Places knots if the waypoints close: between knots the motion has to close to within `aim`.
-    fn closed(&self, aim: f64) -> Option<Placement> {
+    /// Places knots if the waypoints close: between knots the motion has to close to within `closure`.
+    fn closed(&self, closure: f64) -> Option<Placement> {
         let knots = self.place(
             &self.reduction.essential,
-            Some(aim),
+            Some(closure),
             None,
             self.knot_budget(),
         )?;
@@ -171,7 +138,7 @@ impl Lifting<'_> {
     fn nearly_closed(&self) -> Placement {
         let (bound, reduction) = (self.problem.options.bound, self.reduction);
         let knot_budget = self.knot_budget();
-        let few = knot_budget.min(KNOTS_PER_WAYPOINT * self.candidate.waypoints.len());
+        let few = knot_budget.min(KNOTS_PER_WAYPOINT * self.waypoints.len());
         let near = |all: &ReducedStars, stars: &ReducedStars| -> Placement {
             let open = self.max_residual(stars);
             let knots = self.place(stars, Some(RESIDUAL_RATIO * open), None, few);
@@ -197,7 +164,6 @@ impl Lifting<'_> {
                 return Placement {
                     certificate: Some(certificate),
                     knots: every,
-                    ..Placement::default()
                 };
             }
         }
@@ -216,19 +182,18 @@ impl Lifting<'_> {
             }
             None => Placement {
                 certificate: last,
-                ..Placement::default()
+                knots: None,
             },
         }
     }
 
     /// Places knots if the sum of the vertices' errors is measured: between waypoints the sheet may deform hardly more
     /// than at them, or as much as is aimed for, within the bound.
-    fn measured(&self) -> Option<Placement> {
+    fn measured(&self, mut aim: f64) -> Option<Placement> {
         let memberships = self.reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.problem.pattern, memberships);
         let bound = self.problem.options.bound;
-        let mut aim = bound.min(CERTIFIED_DEFORMATION) * self.candidate.bound_fraction;
-        for waypoint in self.candidate.waypoints {
+        for waypoint in self.waypoints {
             let angles = waypoint.angles.iter();
             let still: Vec<_> = angles.map(|&a| Curve::Angle([a; 4])).collect();
             let here = certifier.rigidity(&still, bound)?;
@@ -264,7 +229,7 @@ impl Lifting<'_> {
         let (reduction, options) = (self.reduction, self.problem.options);
         let (_, signs) = reduction.asked(self.problem.goal);
         let limits = reduction.orthant(&signs);
-        let mut solver = reduction.solver(options, self.candidate.closure_tolerance);
+        let mut solver = reduction.solver(options, self.closure_tolerance);
         solver.limits.clone_from(&limits);
         let constraints = PlacementConstraints {
             stars,
@@ -275,17 +240,17 @@ impl Lifting<'_> {
             acceleration: options.max_acceleration.unwrap_or(f64::INFINITY),
             knot_budget,
         };
-        place(self.path, &constraints, &mut solver, options)
+        place(&self.path, &constraints, &mut solver, options)
     }
 
     /// Returns the largest number of knots of a path.
-    fn knot_budget(&self) -> usize {
+    pub(crate) fn knot_budget(&self) -> usize {
         self.problem.options.max_knots.unwrap_or(MAX_KNOTS)
     }
 
     /// Returns the largest residual of these stars over all waypoints.
     fn max_residual(&self, stars: &ReducedStars) -> f64 {
-        let waypoints = self.candidate.waypoints.iter();
+        let waypoints = self.waypoints.iter();
         let open = waypoints.map(|waypoint| stars.largest_residual(&waypoint.angles));
         open.fold(0.0, larger)
     }
@@ -323,7 +288,7 @@ impl Lifting<'_> {
         let memberships = self.reduction.groups.memberships();
         let mut certifier = FoldingCertifier::new(self.problem.pattern, memberships);
         let mut worst = 0.0;
-        for curves in curves(knots.interpolation, &knots.knots) {
+        for curves in knots.curves() {
             if self.problem.is_late() {
                 return None;
             }

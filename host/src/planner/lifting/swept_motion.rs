@@ -2,16 +2,38 @@
 //! motion, or at the knots alone.
 
 use super::certified_motion::Lifting;
-use crate::collision::{Crossing, SearchEffort, SweepOptions};
+use super::lifted::{Lifted, Recourse};
+use crate::collision::{
+    Clearance, Crossing, Place, SearchEffort, Searched, SearchedMotion, SweepCounts, SweepOptions,
+    SweepVerdict,
+};
 use crate::lattice::Lattice;
+use crate::motion::Knot;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::CLOSED;
-use crate::planner::knots::Knot;
+use crate::planner::knots::KnotSequence;
 use crate::planner::options::Skips;
-use crate::planner::plan::{Failure, Outcome, Plan};
-use crate::planner::reason::{Reason, TimeoutAt, Undecided};
+use crate::planner::reason::{TimeoutAt, Undecided};
+use crate::progress::Stage;
 use crate::util::clock::Instant;
 
+/// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
+/// sharp.
+pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
+/// Smallest fraction of the certified deformation that is aimed for.
+pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
+/// The same, if layers touch and the sheet may be torn by more than layers may overlap.
+const NEAREST_BOUND_FRACTION: f64 = 5e-7;
+/// Number of queries of pairs after which a motion nearer to the path is tried, if tears may hide contact.
+const MAX_HIDDEN_QUERIES: u64 = 200_000;
+/// Distances that a path which ends before a crossing keeps from the configuration at which faces meet, radians, tried
+/// one after the other: the motion of the shorter path differs by as much as the bound allows.
+const ROOMS_RAD: [f64; 2] = [1e-3, 1e-2];
+/// Distances that a path keeps which only has to end near its goal, radians.
+const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
+/// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
+/// the path is tried first, although it has more knots.
+const MAX_TORN_FACES: usize = 400;
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
@@ -20,9 +42,39 @@ const HIDING_RATIO: f64 = 0.1;
 /// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
 const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
+/// What the search for crossings says of a motion.
+pub(crate) enum Swept {
+    /// No faces cross. The smallest distance of two of them was found, if faces were looked at.
+    Free(Option<Clearance>),
+    /// Faces cross.
+    Crosses(Crossed),
+    /// Faces cross at the knot of this number, the first at which they do; only knots were looked at.
+    CrossesAtKnot(Crossing, usize),
+    /// The question stays open.
+    Undecided(Undecided),
+    /// Time ran out.
+    Late(TimeoutAt),
+    /// The motion is too far from its path, or no nearer than the one before: a nearer one may tell whether faces cross on
+    /// the path, or where. Holds the crossing of this one, if one was found.
+    TooFar(Option<Crossed>),
+}
+
+/// Crossing before which a path has to end.
+pub(crate) struct Crossed {
+    pub(crate) crossing: Crossing,
+    /// Number of the segment in which the path ends.
+    pub(crate) segment: usize,
+    /// Last group angles free of crossings, if there are any.
+    pub(crate) free: Option<Vec<f64>>,
+    /// Group angles at which the path may end instead, if it may end earlier, to be tried one after the other.
+    pub(crate) earlier: Vec<Vec<f64>>,
+    /// `true` if the sheet crosses at a knot, although the search over the motion found nothing.
+    pub(crate) is_at_knot: bool,
+}
+
 /// Returns the options of the search for crossings of a sheet whose closure residuals are proved to be at most `closure`
 /// all along the motion. Overlaps of up to `contact` median edges are contact.
-pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) -> SweepOptions {
+fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) -> SweepOptions {
     let usual = SweepOptions::default();
     SweepOptions {
         closure: closure.unwrap_or(f64::INFINITY),
@@ -40,9 +92,125 @@ pub(crate) fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) ->
     }
 }
 
+/// Returns the group angles at a place of a motion or, if `room` (radians) is above 0, as much before it as the fastest
+/// hinge turns by `room`, at most to the start of the segment.
+fn angles_before(knots: &KnotSequence, place: Place, room: f64) -> Vec<f64> {
+    let curves = knots.curves().nth(place.segment).unwrap_or_default();
+    let rates = curves
+        .iter()
+        .map(|curve| curve.derivatives(place.s)[0].abs());
+    let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
+    let s = (place.s - room / fastest).max(0.0);
+    curves.iter().map(|curve| curve.angle(s)).collect()
+}
+
 impl<'a> Lifting<'a> {
+    /// Looks for crossings over the whole motion, if asked to. `before` is the motion that was found too far from the path.
+    pub(crate) fn sweep(&self, lifted: &mut Lifted, before: Option<&Lifted>) -> Swept {
+        if !self.problem.options.collision {
+            return Swept::Free(None);
+        }
+        if before.is_some_and(|before| lifted.knots.moves_as(&before.knots)) {
+            if !lifted.goes_nearer(LEAST_BOUND_FRACTION) {
+                lifted.recourse = Recourse::Nothing;
+            }
+            return Swept::TooFar(None);
+        }
+        self.problem.watch.begin(Stage::Crossings);
+        let start = Instant::now();
+        let lattice = self.lattice();
+        let found = start.elapsed();
+        let (swept, counts) = self.sweep_with(lifted, lattice);
+        lifted.crossings.counts = counts;
+        lifted.times.symmetry += found;
+        lifted.times.collision += start.elapsed() - found;
+        swept
+    }
+
+    fn sweep_with(&self, lifted: &Lifted, lattice: Option<&Lattice>) -> (Swept, SweepCounts) {
+        let (problem, options) = (self.problem, self.problem.options);
+        let segments: Vec<_> = lifted.knots.curves().collect();
+        let motion = SearchedMotion {
+            pattern: problem.pattern,
+            memberships: self.reduction.groups.memberships(),
+            segments: &segments,
+            options: sweep_options(options.skips, lifted.certified_closure(), problem.contact),
+            watch: problem.watch,
+        };
+        if let Some(along) = lattice.and_then(|lattice| motion.along_lattice(lattice)) {
+            return self.answer(lifted, along);
+        }
+        let is_large = lattice.is_some() && problem.pattern.faces().len() > MAX_TORN_FACES;
+        if is_large && lifted.is_torn() && lifted.goes_nearer(LEAST_BOUND_FRACTION) {
+            return (Swept::TooFar(None), SweepCounts::default());
+        }
+        if !(lifted.goes_nearer(NEAREST_BOUND_FRACTION) && self.tears_hide_contact(lifted)) {
+            return self.answer(lifted, motion.all_faces());
+        }
+        let first = motion.with_queries(MAX_HIDDEN_QUERIES).all_faces();
+        if matches!(first.verdict, SweepVerdict::Undecided { .. }) {
+            return (Swept::TooFar(None), first.counts);
+        }
+        self.answer(lifted, first)
+    }
+
+    /// Returns what the result of a search says of the motion.
+    fn answer(&self, lifted: &Lifted, searched: Searched) -> (Swept, SweepCounts) {
+        let swept = match searched.verdict {
+            SweepVerdict::Free(clearance) => match self.crossed_knot(lifted) {
+                None => Swept::Free(clearance),
+                Some(crossed) if lifted.goes_nearer(LEAST_BOUND_FRACTION) => {
+                    Swept::TooFar(Some(crossed))
+                }
+                Some(crossed) => Swept::Crosses(crossed),
+            },
+            SweepVerdict::Undecided { .. } if self.problem.is_late() => {
+                Swept::Late(TimeoutAt::LookingForCrossings)
+            }
+            SweepVerdict::Undecided { faces: None, .. } => {
+                return self.sweep_no_more_than_knots(&lifted.knots.knots);
+            }
+            SweepVerdict::Undecided { faces, at } => Swept::Undecided(Undecided::Crossings {
+                faces,
+                segment: at.segment,
+            }),
+            SweepVerdict::Crossing {
+                crossing,
+                last_free,
+                ..
+            } => {
+                let crossed = self.crossed(lifted, crossing, last_free);
+                let is_first = lifted.recourse == Recourse::GoNearer(FIRST_BOUND_FRACTION);
+                let nearer = lifted.goes_nearer(LEAST_BOUND_FRACTION);
+                if nearer && (is_first || !self.is_blocked()) {
+                    Swept::TooFar(Some(crossed))
+                } else {
+                    Swept::Crosses(crossed)
+                }
+            }
+        };
+        (swept, searched.counts)
+    }
+
+    /// Returns where the path ends if faces cross on the motion after a place.
+    fn crossed(&self, lifted: &Lifted, crossing: Crossing, last_free: Option<Place>) -> Crossed {
+        let rooms: &[f64] = match lifted.recourse {
+            Recourse::EndEarlier if self.problem.goes_near => &WIDE_ROOMS_RAD,
+            Recourse::EndEarlier => &ROOMS_RAD,
+            _ => &[],
+        };
+        let before = |room| Some(angles_before(&lifted.knots, last_free?, room));
+        Crossed {
+            crossing,
+            segment: last_free.map_or(0, |place| place.segment),
+            free: before(0.0),
+            earlier: rooms.iter().filter_map(|&room| before(room)).collect(),
+            is_at_knot: false,
+        }
+    }
+
     /// Returns the lattice along which to look for crossings, if there is one and it may be used.
-    pub(crate) fn lattice(&self) -> Option<&'a Lattice> {
+    fn lattice(&self) -> Option<&'a Lattice> {
         let used = self.problem.options.skips.symmetry;
         used.then(|| self.reduction.lattice(self.problem.pattern))
             .flatten()
@@ -50,13 +218,13 @@ impl<'a> Lifting<'a> {
 
     /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
     /// whether layers that move together pass through each other is then hard to tell.
-    pub(crate) fn tears_hide_contact(&self, plan: &Plan) -> bool {
+    fn tears_hide_contact(&self, lifted: &Lifted) -> bool {
         let (pattern, tree) = (self.problem.pattern, self.reduction.tree);
         let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
-        let angles = plan.path.knots.iter().flat_map(|knot| &knot.stored.angles);
+        let angles = lifted.knots.knots.iter().flat_map(|knot| &knot.angles);
         let touches = angles.copied().any(|angle| angle.abs() >= flat);
         let holonomy = tree.holonomy(pattern).filter(|_| touches);
-        let (Some(holonomy), Some(closure)) = (holonomy, plan.certified_closure) else {
+        let (Some(holonomy), Some(closure)) = (holonomy, lifted.certified_closure()) else {
             return false;
         };
         let length = tree.reach(pattern);
@@ -65,68 +233,58 @@ impl<'a> Lifting<'a> {
         sum > HIDING_RATIO * SweepOptions::default().contact * pattern.median_edge()
     }
 
-    /// Returns the first knot at which faces of a torn sheet cross, and the crossing: a second look, at whole shapes.
-    pub(crate) fn crossed_knot(&self, plan: &Plan) -> Option<(usize, Crossing)> {
+    /// Returns the crossing at the first knot at which faces of a torn sheet cross: a second look, at whole shapes.
+    fn crossed_knot(&self, lifted: &Lifted) -> Option<Crossed> {
+        if !lifted.is_torn() {
+            return None;
+        }
         let mut judge = Judge::new(self.problem, self.reduction, false);
-        judge.first_crossing(&plan.path.knots, plan.max_closure <= CLOSED)
+        let alike = lifted.errors.closure <= CLOSED;
+        let (index, crossing) = judge.first_crossing(&lifted.knots.knots, alike)?;
+        let before = index.checked_sub(1);
+        let free = before.map(|before| lifted.knots.knots[before].angles.clone());
+        let earlier = free
+            .iter()
+            .filter(|_| lifted.recourse == Recourse::EndEarlier);
+        Some(Crossed {
+            crossing,
+            segment: before.unwrap_or(0),
+            earlier: earlier.cloned().collect(),
+            free,
+            is_at_knot: true,
+        })
     }
 
     /// Returns `true` if faces cross at a waypoint by more than any motion is off the path: however near to the path a
     /// motion is, it crosses there.
-    pub(crate) fn is_blocked(&self) -> bool {
+    fn is_blocked(&self) -> bool {
         let problem = self.problem;
         let mut judge = Judge::new(problem, self.reduction, true);
         let deep = BLOCKING_DEPTH * problem.pattern.median_edge();
-        let waypoints = self.candidate.waypoints.iter();
-        let mut waypoints = waypoints.take_while(|_| !problem.is_late());
+        let mut waypoints = self.waypoints.iter().take_while(|_| !problem.is_late());
         waypoints.any(|waypoint| {
             let crossing = judge.crossing_at(&waypoint.angles);
             crossing.is_some_and(|crossing| crossing.depth > deep)
         })
     }
 
-    /// Looks for crossings of all faces at the knots alone. Ends the path before the first, or else leaves the question
-    /// open.
-    pub(crate) fn sweep_no_more_than_knots(&self, mut plan: Plan) -> Plan {
-        let start = Instant::now();
+    /// Looks for crossings of all faces at the knots alone, up to the first. If there is none, the question stays open.
+    fn sweep_no_more_than_knots(&self, knots: &[Knot]) -> (Swept, SweepCounts) {
         let mut judge = Judge::new(self.problem, self.reduction, true);
-        let knots = &plan.path.knots;
         // A flat sheet has no crossings, as its faces lie beside each other.
-        let turned =
-            |(_, knot): &(usize, &Knot)| knot.stored.angles.iter().any(|&angle| angle != 0.0);
+        let turned = |(_, knot): &(usize, &Knot)| knot.angles.iter().any(|&angle| angle != 0.0);
         let mut turned = knots.iter().enumerate().filter(turned);
         let end = turned.find_map(|(index, knot)| {
             if self.problem.is_late() {
-                return Some((index, None));
+                return Some(Swept::Late(TimeoutAt::JudgingKnot(index)));
             }
-            Some((index, Some(judge.crossing_at(&knot.stored.angles)?)))
+            Some(Swept::CrossesAtKnot(
+                judge.crossing_at(&knot.angles)?,
+                index,
+            ))
         });
-        plan.times.collision += start.elapsed();
-        plan.collision = judge.counts();
-        let (index, crossing) = match end {
-            Some((index, Some(crossing))) => (index, crossing),
-            Some((index, None)) => {
-                return plan.ended(Failure::out_of_time(TimeoutAt::JudgingKnot(index)));
-            }
-            None => {
-                let faces = self.problem.pattern.faces().len();
-                plan.undecided.push(Undecided::CrossingsAtKnots { faces });
-                return plan;
-            }
-        };
-        let last = knots.last().map_or(1.0, |last| last.stored.time);
-        let before = index
-            .checked_sub(1)
-            .map_or(0.0, |before| knots[before].stored.time);
-        let failure = Failure {
-            outcome: Outcome::Crossing(crossing),
-            reason: Reason::CrossesAtKnot {
-                faces: crossing.faces,
-                knot: index,
-            },
-            kept: before / last,
-        };
-        plan.path.knots.truncate(index);
-        plan.ended(failure)
+        let faces = self.problem.pattern.faces().len();
+        let open = Swept::Undecided(Undecided::CrossingsAtKnots { faces });
+        (end.unwrap_or(open), judge.counts())
     }
 }

@@ -1,432 +1,231 @@
 //! Lifts a path found on few unknowns to the whole sheet: certified, measured and swept for crossings. If layers touch,
-//! a motion that is as far off its path as the bound allows may cross: it is then lifted again, nearer to the path.
+//! a motion that is as far off its path as the bound allows may cross: it is then lifted again, nearer to the path. Near
+//! a goal that does not close, a path may end before faces cross.
 
-use foldpath_core::Interpolation;
-
-use super::certified_motion::{CandidatePath, Certificate, Lifting};
-use super::measured_motion::{MeasuredMotion, torn};
-use super::swept_motion::sweep_options;
-use crate::collision::{Crossing, Place, Searched, SearchedMotion, SweepVerdict, is_torn};
-use crate::folding::Rigidity;
-use crate::planner::following::follow::Waypoint;
-use crate::planner::following::reduction::Reduction;
-use crate::planner::knots::{Knot, Path};
-use crate::planner::placement::reduced_path::ReducedPath;
-use crate::planner::plan::{Failure, Outcome, Plan};
-use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{Note, Reason, TimeoutAt, Undecided};
+use super::certified_motion::Lifting;
+use super::lifted::{Lifted, Recourse};
+use super::measured_motion::torn;
+use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept};
+use crate::collision::Crossing;
+use crate::planner::plan::Outcome;
+use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
 use crate::util::clock::Instant;
 
-/// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
-/// sharp.
-pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
 const NEARER_FACTOR: f64 = 0.01;
-/// Smallest fraction of the certified deformation that is aimed for.
-pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
-/// The same, if layers touch and the sheet may be torn by more than layers may overlap.
-const NEAREST_BOUND_FRACTION: f64 = 5e-7;
-/// Number of queries of pairs after which a motion nearer to the path is tried, if tears may hide contact.
-const MAX_HIDDEN_QUERIES: u64 = 200_000;
 /// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const MAX_RETREAT_RAD: f64 = 0.02;
-/// Distances that such a path keeps from the configuration at which faces meet, radians, tried one after the other: the
-/// motion of the shorter path differs by as much as the bound allows.
-const ROOMS_RAD: [f64; 2] = [1e-3, 1e-2];
-/// Distances that a path keeps which only has to end near its goal, radians.
-const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
-/// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
-/// the path is tried first, although it has more knots.
-const MAX_TORN_FACES: usize = 400;
 
-/// Lifts a path to the whole sheet and judges it there. `plan` is the plan so far; the motion, its errors and what ends
-/// it are stored in the plan that is returned.
-pub(crate) fn lift(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    candidate: &CandidatePath<'_>,
-    mut plan: Plan,
-) -> Plan {
-    plan.reached = candidate.reached;
-    plan.waypoints = candidate.waypoints.len();
-    let path = ReducedPath::new(candidate.waypoints);
-    let lifting = Lifting {
-        problem,
-        reduction,
-        candidate,
-        path: &path,
-    };
-    let placement = lifting.place_knots();
-    plan.times.place += placement.time;
-    store_certificate(&mut plan, placement.certificate);
-    let Some(mut knots) = placement.knots else {
-        let failure = lifting.unplaced();
-        if failure.outcome == Outcome::Timeout {
-            return ended_unjudged(problem, candidate.waypoints, plan, failure);
-        }
-        return plan.ended(failure);
-    };
-    let bound = problem.options.bound;
-    let mut certificate = placement.certificate;
-    let mut proof_stops = None;
-    // A motion that closes at its knots, but is not proved to keep the bound, ends before the first segment that is not
-    // known to close well enough.
-    if let Some(certified) = certificate.and_then(|certificate| certificate.over(bound))
-        && knots.cut()
-    {
-        certificate = Some(lifting.certify(&reduction.all, &knots));
-        store_certificate(&mut plan, certificate);
-        let end = knots.knots.last().map_or(&[][..], |end| &end.stored.angles);
-        plan.goal_error = reduction.distance(end, problem.goal);
-        plan.reached *= path.fraction(end);
-        proof_stops = Some(Reason::ProofStops {
-            reached: plan.reached,
-            certified,
-            bound,
-        });
-    }
-    plan.path.interpolation = knots.interpolation;
-    problem.watch.begin(Stage::Folding);
-    let motion = lifting.measure(knots.knots);
-    if let Some(knot) = motion.late {
-        let failure = Failure::out_of_time(TimeoutAt::JudgingKnot(knot));
-        return ended_unjudged(problem, candidate.waypoints, plan, failure);
-    }
-    store_motion(&mut plan, motion);
-    if let Some(failure) = torn(bound, &plan, certificate) {
-        return plan.ended(failure);
-    }
-    let (failure, time) = lifting.torn_from_rim(&plan);
-    plan.times.fold += time;
-    if let Some(failure) = failure {
-        return plan.ended(failure);
-    }
-    if proof_stops.is_none() {
-        return lifting.sweep_if_asked(plan);
-    }
-    // The path ends where its proof ends, so that it is neither shortened nor brought nearer to the reduced path.
-    let candidate = CandidatePath {
-        retreats: false,
-        bound_fraction: LEAST_BOUND_FRACTION,
-        ..*candidate
-    };
-    let lifting = Lifting {
-        candidate: &candidate,
-        ..lifting
-    };
-    let mut plan = lifting.sweep_if_asked(plan);
-    if plan.outcome == Outcome::Planned {
-        (plan.outcome, plan.reason) = (Outcome::Partial, proof_stops);
-    }
-    plan
-}
-
-fn store_certificate(plan: &mut Plan, certificate: Option<Certificate>) {
-    if let Some(certificate) = certificate {
-        plan.certified_closure = certificate.closure;
-        plan.certified_deformation = Some(certificate.deformation);
-    }
-}
-
-/// Stores a measured motion in the plan.
-fn store_motion(plan: &mut Plan, motion: MeasuredMotion) {
-    plan.times.fold += motion.time;
-    plan.rigidity = motion.worst();
-    plan.max_closure = motion.max_closure(plan.max_closure);
-    if let Some(essential) = motion.essential {
-        (plan.essential_rigidity, plan.essential_faces) = essential;
-    }
-    plan.path.knots = motion.knots;
-}
-
-/// Returns the waypoints as knots, as far apart in time as the largest speed of the hinges (radians per second)
-/// requires. The errors of the sheet are not measured.
-fn unmeasured(waypoints: &[Waypoint], max_speed: f64) -> Vec<Knot> {
-    let mut time = 0.0;
-    let mut before: Option<&[f64]> = None;
-    let knots = waypoints.iter().map(|waypoint| {
-        let turned = before.map_or(0.0, |before| max_difference(before, &waypoint.angles));
-        time += turned / max_speed;
-        before = Some(&waypoint.angles);
-        let mut knot = Knot::at(waypoint.angles.clone());
-        knot.stored.time = time;
-        knot.stored.rates = vec![0.0; waypoint.angles.len()];
-        knot.ends_phase = waypoint.ends_phase;
-        knot
+/// Lifts a path to the whole sheet and judges it there. The motion between knots is certified for `bound_fraction` of
+/// the bound at first.
+pub(crate) fn lift(whole: &Lifting<'_>, bound_fraction: f64) -> Lifted {
+    let (lifted, crossed) = whole.lift_near_enough(bound_fraction);
+    let earlier = crossed.iter().flat_map(|crossed| &crossed.earlier);
+    let mut shorter = earlier.zip(&crossed).filter_map(|(free, crossed)| {
+        let shorter = whole.lift_shorter(bound_fraction, &lifted, crossed, free)?;
+        let leads = crossed.is_at_knot || !matches!(shorter.outcome, Outcome::Crossing(_));
+        leads.then_some(shorter)
     });
-    knots.collect()
-}
-
-/// Ends a plan as time ran out before its path was judged: the path goes through the waypoints that were found.
-pub(crate) fn ended_unjudged(
-    problem: &PlanningProblem<'_>,
-    waypoints: &[Waypoint],
-    mut plan: Plan,
-    failure: Failure,
-) -> Plan {
-    // A single waypoint is the flat sheet, and no path.
-    if waypoints.len() > 1 {
-        plan.path.interpolation = Interpolation::Linear;
-        plan.path.knots = unmeasured(waypoints, problem.options.max_speed);
-    }
-    plan.ended(failure)
-}
-
-/// Returns the group angles at a place of a motion or, if `room` (radians) is above 0, as much before it as the fastest
-/// hinge turns by `room`, at most to the start of the segment.
-fn angles_before(path: &Path, place: Place, room: f64) -> Vec<f64> {
-    let curves = &path.curves()[place.segment];
-    let rates = curves
-        .iter()
-        .map(|curve| curve.derivatives(place.s)[0].abs());
-    let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
-    let s = (place.s - room / fastest).max(0.0);
-    curves.iter().map(|curve| curve.angle(s)).collect()
-}
-
-/// Crossing before which a path has to end.
-struct Crossed {
-    crossing: Crossing,
-    /// Number of the segment in which the path ends.
-    segment: usize,
-    /// Last group angles free of crossings, if there are any.
-    free: Option<Vec<f64>>,
-}
-
-impl Crossed {
-    fn reason(&self, lifting: &Lifting<'_>) -> Reason {
-        Reason::Crosses {
-            faces: self.crossing.faces,
-            reached: lifting.candidate.reached,
-            free: self.free_fraction(lifting.path),
-            segment: self.segment,
-            depth: self.crossing.depth / lifting.problem.pattern.median_edge(),
-        }
-    }
-
-    fn free_fraction(&self, path: &ReducedPath) -> f64 {
-        self.free.as_ref().map_or(0.0, |free| path.fraction(free))
-    }
+    let shorter = shorter.next();
+    shorter.unwrap_or(lifted)
 }
 
 impl Lifting<'_> {
-    /// Looks for crossings along the motion, if asked to.
-    fn sweep_if_asked(&self, plan: Plan) -> Plan {
-        if !self.problem.options.collision {
-            return plan;
+    /// Lifts the path, and again nearer to it as long as the sweep finds the motion too far from the path. If nearer
+    /// motions decide nothing, the answer is that of the last motion before them. Returns the crossing before which the
+    /// motion ends, too, if it ends before one.
+    fn lift_near_enough(&self, bound_fraction: f64) -> (Lifted, Option<Crossed>) {
+        let mut farther: Vec<(Lifted, Option<Crossed>)> = Vec::new();
+        let mut fraction = bound_fraction;
+        let (mut found, mut crossed) = loop {
+            let mut lifted = self.lift_for(fraction, farther.is_empty());
+            if lifted.outcome != Outcome::Planned {
+                break (lifted, None);
+            }
+            let before = farther.last().map(|(before, _)| before);
+            match (self.sweep(&mut lifted, before), lifted.recourse) {
+                (Swept::TooFar(crossed), Recourse::GoNearer(last)) => {
+                    fraction = last * NEARER_FACTOR;
+                    farther.push((lifted, crossed));
+                }
+                (swept, _) => break self.ended(lifted, swept),
+            }
+        };
+        while let Some((mut lifted, crossing)) = farther.pop() {
+            let times = found.times;
+            // A sheet that is torn by more than the tolerance crosses elsewhere than its path does; a nearer motion tells
+            // where.
+            let decides = match found.outcome {
+                Outcome::Planned => true,
+                Outcome::Crossing(_) => crossing.is_none() || lifted.is_torn(),
+                _ => false,
+            };
+            if decides {
+                found.times += lifted.times;
+                found.goal_error = found.goal_error.or(lifted.goal_error);
+                found.stop_at(lifted.proof_stops);
+                continue;
+            }
+            lifted.recourse = Recourse::Nothing;
+            let before = farther.last().map(|(before, _)| before);
+            let swept = match crossing {
+                Some(crossing) => Swept::Crosses(crossing),
+                None => self.sweep(&mut lifted, before),
+            };
+            (found, crossed) = self.ended(lifted, swept);
+            found.times += times;
         }
-        if self.candidate.before != Some(&plan.path) {
-            return self.sweep(plan);
+        (found, crossed)
+    }
+
+    /// Places the motion for a fraction of the bound, certifies it and measures it. The first one counts the closure
+    /// residuals of a longer motion as well.
+    fn lift_for(&self, bound_fraction: f64, is_first: bool) -> Lifted {
+        let start = Instant::now();
+        let placement = self.place_knots(bound_fraction);
+        let mut lifted = Lifted {
+            reached: self.reached,
+            waypoints: self.waypoints.len(),
+            certificate: placement.certificate,
+            recourse: match self.open_goal {
+                Some(_) => Recourse::EndEarlier,
+                None => Recourse::GoNearer(bound_fraction),
+            },
+            ..Lifted::default()
+        };
+        lifted.times.place = start.elapsed();
+        if let Some(knots) = placement.knots {
+            lifted.knots = knots;
+            let min_closure = if is_first { self.min_closure } else { 0.0 };
+            self.certify_and_measure(&mut lifted, min_closure);
+        } else if self.problem.is_late() {
+            self.end_unjudged(&mut lifted, TimeoutAt::PlacingKnots);
+        } else {
+            let budget = self.knot_budget();
+            lifted.reached = 0.0;
+            lifted.end(Outcome::Partial, Reason::TooManyKnots { budget });
         }
-        let nearer = self.nearer(&plan);
-        nearer.unwrap_or_else(|| {
-            plan.ended(Failure {
-                outcome: Outcome::Partial,
-                reason: Reason::NothingNearer,
-                kept: 1.0,
-            })
+        lifted
+    }
+
+    /// Ends a motion before the first segment that is not proved to keep the bound, and measures the sheet at its knots.
+    fn certify_and_measure(&self, lifted: &mut Lifted, min_closure: f64) {
+        lifted.proof_stops = self.end_at_proof(lifted);
+        if lifted.proof_stops.is_some() {
+            // The path ends where its proof ends, so that it is neither shortened nor brought nearer to the reduced path.
+            lifted.recourse = Recourse::GoNearer(LEAST_BOUND_FRACTION);
+        }
+        let start = Instant::now();
+        self.problem.watch.begin(Stage::Folding);
+        match self.measure(&mut lifted.knots.knots, min_closure) {
+            Ok(errors) => {
+                lifted.errors = errors;
+                let (bound, knots) = (self.problem.options.bound, &lifted.knots);
+                let torn = torn(bound, &knots.knots, &errors, lifted.certificate)
+                    .or_else(|| Some((self.torn_from_rim(knots, errors.closure)?, 0.0)));
+                if let Some((reason, kept)) = torn {
+                    lifted.reached *= kept;
+                    lifted.end(Outcome::NotRigidlyFoldable, reason);
+                }
+            }
+            Err(knot) => self.end_unjudged(lifted, TimeoutAt::JudgingKnot(knot)),
+        }
+        lifted.times.fold = start.elapsed();
+    }
+
+    /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
+    /// known to close well enough. Returns the reason if it does.
+    fn end_at_proof(&self, lifted: &mut Lifted) -> Option<Reason> {
+        let bound = self.problem.options.bound;
+        let certified = lifted.certificate?.over(bound)?;
+        if !lifted.knots.cut() {
+            return None;
+        }
+        lifted.certificate = Some(self.certify(&self.reduction.all, &lifted.knots));
+        let end = lifted.knots.end();
+        lifted.goal_error = Some(self.reduction.distance(end, self.problem.goal));
+        lifted.reached *= self.path.fraction(end);
+        Some(Reason::ProofStops {
+            reached: lifted.reached,
+            certified,
+            bound,
         })
     }
 
-    /// Looks for crossings over the whole motion, and ends the path before the first one.
-    fn sweep(&self, mut plan: Plan) -> Plan {
-        let (problem, candidate) = (self.problem, self.candidate);
-        problem.watch.begin(Stage::Crossings);
-        let start = Instant::now();
-        let lattice = self.lattice();
-        plan.times.symmetry += start.elapsed();
-        let start = Instant::now();
-        let gap = plan.rigidity.gap;
-        let options = sweep_options(
-            problem.options.skips,
-            plan.certified_closure,
-            problem.contact,
-        );
-        let torn = is_torn(plan.certified_deformation.unwrap_or(0.0).max(gap));
-        let segments = plan.path.curves();
-        let motion = SearchedMotion {
-            pattern: problem.pattern,
-            memberships: &plan.path.memberships,
-            segments: &segments,
-            options,
-            watch: problem.watch,
-        };
-        let along = lattice.and_then(|lattice| motion.along_lattice(lattice));
-        plan.times.collision += start.elapsed();
-        let Searched { verdict, counts } = if let Some(along) = along {
-            along
-        } else {
-            let faces = problem.pattern.faces().len();
-            if lattice.is_some()
-                && torn
-                && faces > MAX_TORN_FACES
-                && let Some(nearer) = self.nearer(&plan)
-            {
-                return nearer;
+    fn end_unjudged(&self, lifted: &mut Lifted, at: TimeoutAt) {
+        let max_speed = self.problem.options.max_speed;
+        lifted.end_unjudged(self.waypoints, max_speed, at);
+    }
+
+    /// Ends a motion as the sweep says. Returns the crossing before which it ends, too, if it ends before one.
+    fn ended(&self, mut lifted: Lifted, swept: Swept) -> (Lifted, Option<Crossed>) {
+        let mut before = None;
+        match swept {
+            Swept::Free(clearance) => lifted.crossings.clearance = clearance,
+            Swept::Undecided(question) => lifted.undecided.push(question),
+            Swept::Late(at) => lifted.end_late(at),
+            Swept::CrossesAtKnot(crossing, knot) => lifted.end_before_knot(crossing, knot),
+            Swept::Crosses(crossed) | Swept::TooFar(Some(crossed)) => {
+                let free = crossed.free.as_deref();
+                lifted.reached = self.reached * free.map_or(0.0, |free| self.path.fraction(free));
+                lifted.knots.truncate(crossed.segment + 1);
+                let reason = self.crosses(&crossed, free);
+                lifted.end(Outcome::Crossing(crossed.crossing), reason);
+                before = Some(crossed);
             }
-            let start = Instant::now();
-            let hidden =
-                self.tears_hide_contact(&plan) && candidate.bound_fraction > NEAREST_BOUND_FRACTION;
-            let first = if hidden {
-                motion.with_queries(MAX_HIDDEN_QUERIES)
-            } else {
-                motion
-            };
-            let mut swept = first.all_faces();
-            plan.times.collision += start.elapsed();
-            if hidden && matches!(swept.verdict, SweepVerdict::Undecided { .. }) {
-                if let Some(nearer) = self.nearer_than(NEAREST_BOUND_FRACTION, &plan) {
-                    return nearer;
-                }
-                let start = Instant::now();
-                swept = motion.all_faces();
-                plan.times.collision += start.elapsed();
-            }
-            swept
-        };
-        plan.collision = counts;
-        match verdict {
-            SweepVerdict::Free(clearance) => {
-                let start = Instant::now();
-                let crossed_knot = torn.then(|| self.crossed_knot(&plan)).flatten();
-                plan.times.collision += start.elapsed();
-                let Some((index, crossing)) = crossed_knot else {
-                    plan.clearance = clearance;
-                    return plan;
-                };
-                if let Some(nearer) = self.nearer(&plan) {
-                    return nearer;
-                }
-                let before = index.checked_sub(1);
-                let crossed = Crossed {
-                    crossing,
-                    segment: before.unwrap_or(0),
-                    free: before.map(|before| plan.path.knots[before].stored.angles.clone()),
-                };
-                let retreated = candidate.retreats.then(|| self.retreated(&plan, &crossed));
-                match retreated.flatten() {
-                    Some(retreated) => retreated,
-                    None => self.end_before(plan, crossed),
-                }
-            }
-            SweepVerdict::Undecided { .. } if problem.is_late() => {
-                plan.ended(Failure::out_of_time(TimeoutAt::LookingForCrossings))
-            }
-            SweepVerdict::Undecided { faces: None, .. } => self.sweep_no_more_than_knots(plan),
-            SweepVerdict::Undecided { faces, at } => {
-                plan.undecided.push(Undecided::Crossings {
-                    faces,
-                    segment: at.segment,
-                });
-                plan
-            }
-            SweepVerdict::Crossing {
-                crossing,
-                last_free,
-                ..
-            } => {
-                let start = Instant::now();
-                let blocked = candidate.bound_fraction < FIRST_BOUND_FRACTION && self.is_blocked();
-                plan.times.collision += start.elapsed();
-                let nearer = (!blocked).then(|| self.nearer(&plan));
-                // A sheet that is torn by more than the tolerance crosses elsewhere than its path does; a nearer motion
-                // tells where.
-                let leads = |nearer: &Plan| torn || nearer.outcome == Outcome::Planned;
-                if let Some(nearer) = nearer.flatten().filter(leads) {
-                    return nearer;
-                }
-                let crossed = |room| Crossed {
-                    crossing,
-                    segment: last_free.map_or(0, |place| place.segment),
-                    free: last_free.map(|place| angles_before(&plan.path, place, room)),
-                };
-                let rooms: &[f64] = match (candidate.retreats, problem.goes_near) {
-                    (true, false) => &ROOMS_RAD,
-                    (true, true) => &WIDE_ROOMS_RAD,
-                    (false, _) => &[],
-                };
-                let mut shorter = rooms
-                    .iter()
-                    .filter_map(|&room| self.retreated(&plan, &crossed(room)));
-                let shorter = shorter.find(|plan| !matches!(plan.outcome, Outcome::Crossing(_)));
-                let crossed = crossed(0.0);
-                shorter.unwrap_or_else(|| self.end_before(plan, crossed))
-            }
+            // The motion decides nothing that the one before does not.
+            Swept::TooFar(None) => lifted.outcome = Outcome::Partial,
+        }
+        let proof_stops = lifted.proof_stops.take();
+        lifted.stop_at(proof_stops);
+        (lifted, before)
+    }
+
+    /// Returns the reason of a path that ends at the group angles `free`, before a crossing.
+    fn crosses(&self, crossed: &Crossed, free: Option<&[f64]>) -> Reason {
+        let Crossing { faces, depth } = crossed.crossing;
+        Reason::Crosses {
+            faces,
+            reached: self.reached,
+            free: free.map_or(0.0, |free| self.path.fraction(free)),
+            segment: crossed.segment,
+            depth: depth / self.problem.pattern.median_edge(),
         }
     }
 
-    /// Returns the plan with the motion nearer to the path: if layers touch, a motion that is as far off the path as the
-    /// bound allows may cross. Returns `None` if the motion is as near as it gets, or the nearer one decides nothing.
-    fn nearer(&self, plan: &Plan) -> Option<Plan> {
-        self.nearer_than(LEAST_BOUND_FRACTION, plan)
-    }
-
-    /// Does what [`nearer`](Self::nearer) does, until `least` of the bound is aimed for.
-    fn nearer_than(&self, least: f64, plan: &Plan) -> Option<Plan> {
-        let candidate = self.candidate;
-        if candidate.bound_fraction <= least || candidate.retreats {
-            return None;
-        }
-        let nearer = CandidatePath {
-            bound_fraction: candidate.bound_fraction * NEARER_FACTOR,
-            before: Some(&plan.path),
-            ..*candidate
-        };
-        let so_far = Plan {
-            rigidity: Rigidity::default(),
-            max_closure: 0.0,
-            ..plan.clone()
-        };
-        let plan = lift(self.problem, self.reduction, &nearer, so_far);
-        matches!(plan.outcome, Outcome::Planned | Outcome::Crossing(_)).then_some(plan)
-    }
-
-    /// Returns the plan of the path that ends a little before a crossing, near an inexact goal. Returns `None` if the
-    /// crossing is far from the goal.
-    fn retreated(&self, plan: &Plan, crossed: &Crossed) -> Option<Plan> {
-        let Self {
-            problem,
-            reduction,
-            candidate,
-            path,
-        } = *self;
-        let free = crossed.free.as_ref()?;
-        let goal = candidate.waypoints.last()?;
-        let short = max_difference(free, &goal.angles);
+    /// Lifts the path that ends at the group angles `free`, a little before a crossing of `longer` near an inexact goal.
+    /// Returns `None` if they are far from the goal.
+    fn lift_shorter(
+        &self,
+        bound_fraction: f64,
+        longer: &Lifted,
+        crossed: &Crossed,
+        free: &[f64],
+    ) -> Option<Lifted> {
+        let (problem, reduction) = (self.problem, self.reduction);
+        let short = max_difference(free, &self.waypoints.last()?.angles);
         if short > MAX_RETREAT_RAD && !problem.goes_near {
             return None;
         }
-        let mut solver = reduction.solver(problem.options, candidate.closure_tolerance);
-        let waypoints = path.cut(&mut solver, free.clone())?;
-        let mut plan = plan.clone();
-        plan.notes.push(Note::EndsBeforeCrossing {
-            residual: plan.goal_closure,
-            crossing: crossed.reason(self),
+        let mut solver = reduction.solver(problem.options, self.closure_tolerance);
+        let waypoints = self.path.cut(&mut solver, free.to_vec())?;
+        let shorter = Lifting {
+            reached: self.reached,
+            min_closure: longer.errors.closure,
+            ..Lifting::new(problem, reduction, &waypoints, self.closure_tolerance)
+        };
+        let (mut lifted, _) = shorter.lift_near_enough(bound_fraction);
+        let end = waypoints.last().map_or(&[][..], |last| &last.angles);
+        let error = || reduction.distance(end, problem.goal);
+        lifted.goal_error.get_or_insert_with(error);
+        lifted.times += longer.times;
+        lifted.notes.push(Note::EndsBeforeCrossing {
+            residual: self.open_goal?,
+            crossing: self.crosses(crossed, Some(free)),
             short,
         });
-        let end = waypoints.last().map_or(&[][..], |last| &last.angles);
-        plan.goal_error = reduction.distance(end, problem.goal);
-        plan.rigidity = Rigidity::default();
-        let shorter = CandidatePath {
-            waypoints: &waypoints,
-            retreats: false,
-            before: None,
-            ..*candidate
-        };
-        Some(lift(problem, reduction, &shorter, plan))
-    }
-
-    /// Ends the path before a crossing.
-    fn end_before(&self, mut plan: Plan, crossed: Crossed) -> Plan {
-        let reason = crossed.reason(self);
-        plan.reached = self.candidate.reached * crossed.free_fraction(self.path);
-        plan.path.knots.truncate(crossed.segment + 1);
-        plan.ended(Failure {
-            outcome: Outcome::Crossing(crossed.crossing),
-            reason,
-            kept: 1.0,
-        })
+        Some(lifted)
     }
 }

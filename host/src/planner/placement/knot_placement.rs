@@ -1,94 +1,14 @@
-//! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and
-//! acceleration of the hinges allow. Segments that do not fit are divided, then knots that are not needed are removed.
+//! Places knots on a path: as few as the bound on closure between them and the limits on angle, speed and acceleration of
+//! the hinges allow, with the interpolation and time law that need the fewest.
 
-use core::time::Duration;
-use std::collections::HashMap;
+use foldpath_core::Interpolation;
 
-use foldpath_core::{Curve, Interpolation, Node};
-
-use super::overshoot::peaks;
-use super::reduced_path::{PathPoint, ReducedPath};
-use super::segment::{SegmentBuilder, TimeLaw};
-use crate::certificate::{Closure, FoldingCertifier, SegmentCertifier, range};
+use super::knot_placer::{KnotPlacer, PlacementConstraints};
+use super::reduced_path::ReducedPath;
+use super::segment::TimeLaw;
 use crate::planner::closing::solver::ClosureSolver;
-use crate::planner::knots::Knot;
+use crate::planner::knots::KnotSequence;
 use crate::planner::options::{PlanOptions, Timing};
-use crate::symmetry::ReducedStars;
-use crate::util::parallel;
-
-/// About the time that finding the extremes of a curve takes.
-const TIME_PER_CURVE: Duration = Duration::from_nanos(300);
-
-/// Conditions that the motion between knots has to keep.
-pub(crate) struct PlacementConstraints<'a> {
-    /// One star for each distinct closure condition, and the loops round holes.
-    pub(crate) stars: &'a ReducedStars,
-    /// Largest closure residual; with `None` any residual is allowed, and all waypoints are knots.
-    pub(crate) closure: Option<f64>,
-    /// Bounds that the whole sheet has to keep, if any.
-    pub(crate) sheet: Option<SheetBounds<'a>>,
-    /// Lower and upper bound of each group angle, radians.
-    pub(crate) limits: &'a [(f64, f64)],
-    /// Largest speed of a hinge, radians per second.
-    pub(crate) speed: f64,
-    /// Largest acceleration of a hinge, radians per second squared; infinite for any.
-    pub(crate) acceleration: f64,
-    /// Largest number of knots.
-    pub(crate) knot_budget: usize,
-}
-
-/// Bounds on deformation and gap of the whole sheet.
-#[derive(Clone)]
-pub(crate) struct SheetBounds<'a> {
-    pub(crate) certifier: FoldingCertifier<'a>,
-    /// Bound for which knots are added as long as that helps.
-    pub(crate) aim: f64,
-    /// Bound that is kept in any case.
-    pub(crate) bound: f64,
-}
-
-/// Knots, the interpolation between them, and bounds on the motion.
-pub(crate) struct KnotSequence {
-    pub(crate) interpolation: Interpolation,
-    pub(crate) knots: Vec<Knot>,
-    /// Bounds on the closure over the whole motion.
-    pub(crate) closure: Closure,
-    /// First segment that does not keep the closure condition, if any.
-    open: Option<Open>,
-}
-
-/// The first segment of a motion that does not keep the closure condition.
-struct Open {
-    segment: usize,
-    /// Path length to the start of the segment.
-    arc_length: f64,
-    /// Bounds on the closure before the segment.
-    before: Closure,
-}
-
-impl KnotSequence {
-    /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.
-    pub(crate) fn cut(&mut self) -> bool {
-        let Some(open) = self.open.take() else {
-            return false;
-        };
-        self.knots.truncate(open.segment + 1);
-        self.closure = open.before;
-        true
-    }
-
-    /// Returns the path length up to which the motion keeps the closure condition; infinite if all of it does.
-    fn closes_to(&self) -> f64 {
-        self.open
-            .as_ref()
-            .map_or(f64::INFINITY, |open| open.arc_length)
-    }
-
-    /// Returns the seconds from the first knot to the last.
-    fn duration(&self) -> f64 {
-        self.knots.last().map_or(0.0, |last| last.stored.time)
-    }
-}
 
 /// Places knots on a path, with the interpolation asked for or the one that needs the fewest.
 ///
@@ -100,18 +20,8 @@ pub(crate) fn place(
     solver: &mut ClosureSolver<'_>,
     options: &PlanOptions,
 ) -> Option<KnotSequence> {
-    let mut placer = KnotPlacer {
-        path,
-        constraints,
-        solver,
-        knot_budget: constraints.knot_budget,
-        certifier: SegmentCertifier::default(),
-        sheet: constraints.sheet.clone(),
-        found: Vec::new(),
-        curves: Vec::new(),
-        known: HashMap::new(),
-    };
-    if path.arc_lengths().len() < 2 {
+    let mut placer = KnotPlacer::new(path, constraints, solver);
+    if path.waypoints().len() < 2 {
         return placer.alone();
     }
     let all = [
@@ -149,13 +59,7 @@ pub(crate) fn place(
             let Some(placed) = placer.place(kind, law) else {
                 continue;
             };
-            let better = best.as_ref().is_none_or(|best| {
-                let order = best.closes_to().total_cmp(&placed.closes_to());
-                order
-                    .then(placed.knots.len().cmp(&best.knots.len()))
-                    .then(placed.duration().total_cmp(&best.duration()))
-                    .is_lt()
-            });
+            let better = best.as_ref().is_none_or(|best| is_better(&placed, best));
             if better {
                 if placed.open.is_none() {
                     placer.knot_budget = placer.knot_budget.min(placed.knots.len());
@@ -165,6 +69,19 @@ pub(crate) fn place(
         }
     }
     best
+}
+
+/// Returns `true` if a motion keeps the closure condition farther than the best so far or, if it does as far, has fewer knots
+/// or takes less time.
+fn is_better(new: &KnotSequence, best: &KnotSequence) -> bool {
+    let [[new_end, new_time], [best_end, best_time]] = [new, best].map(|motion| {
+        let open = motion.open.as_ref();
+        let end = open.map_or(f64::INFINITY, |open| open.arc_length);
+        [end, motion.knots.last().map_or(0.0, |last| last.time)]
+    });
+    let order = best_end.total_cmp(&new_end);
+    let order = order.then(new.knots.len().cmp(&best.knots.len()));
+    order.then(new_time.total_cmp(&best_time)).is_lt()
 }
 
 /// Returns the fastest time law of a path.
@@ -177,7 +94,7 @@ fn fastest(path: &ReducedPath, constraints: &PlacementConstraints<'_>) -> TimeLa
 
 /// Returns the time laws with which an interpolation may need few knots.
 fn sparse_laws(path: &ReducedPath, kind: Interpolation) -> Vec<TimeLaw> {
-    let leads = 0..path.point(0).angles.len().min(MAX_LEADS);
+    let leads = 0..path.waypoints()[0].angles.len().min(MAX_LEADS);
     match kind {
         Interpolation::HalfAngle => leads.map(TimeLaw::HalfAngle).collect(),
         Interpolation::Homogeneous => {
@@ -198,382 +115,3 @@ const MAX_INTERVALS: usize = 8;
 const MAX_GRID_ANGLES: usize = 4096;
 /// Largest number of groups that are tried as the one to whose angle or half angle time is proportional.
 const MAX_LEADS: usize = 8;
-
-/// Places knots on a path.
-struct KnotPlacer<'a, 's> {
-    path: &'a ReducedPath,
-    constraints: &'a PlacementConstraints<'a>,
-    solver: &'a mut ClosureSolver<'s>,
-    /// Largest number of knots.
-    knot_budget: usize,
-    certifier: SegmentCertifier,
-    sheet: Option<SheetBounds<'a>>,
-    /// Configurations found on the path in addition to its waypoints.
-    found: Vec<PathPoint>,
-    curves: Vec<Curve<f64>>,
-    /// Bounds on the closure of segments that keep the conditions, by the path lengths at their ends.
-    known: HashMap<[u64; 2], Closure>,
-}
-
-/// Fraction by which a hinge may exceed its limits before time is stretched at the end.
-const LIMIT_EXCESS_RATIO: f64 = 0.02;
-/// Fraction by which time is stretched in addition, so that rounding the knots passes no limit.
-const STRETCH_MARGIN_RATIO: f64 = 1e-5;
-/// Distance of two knots, as a fraction of that of the waypoints around them, below which no knot is put between them.
-const MIN_SPACING_RATIO: f64 = 1.0 / 256.0;
-/// Path length from its limit within which a hinge is put to rest at the limit: while others move on, solving would
-/// move it to and fro.
-const RESTING_LENGTH: f64 = 1e-4;
-/// Distance beyond its limit up to which a hinge counts as being at the limit, radians.
-const AT_LIMIT_RAD: f64 = 1e-9;
-
-/// Returns `true` if a hinge keeps its limits all along its curve.
-fn is_within((curve, limit): (&Curve<f64>, &(f64, f64))) -> bool {
-    let [lower, upper] = range(curve);
-    lower >= limit.0 - AT_LIMIT_RAD && upper <= limit.1 + AT_LIMIT_RAD
-}
-
-impl KnotPlacer<'_, '_> {
-    /// Returns the single configuration of a path of length 0.
-    fn alone(&mut self) -> Option<KnotSequence> {
-        let first = self
-            .path
-            .arc_lengths()
-            .first()
-            .map(|_| self.path.point(0))?;
-        let mut knot = Knot::at(first.angles);
-        knot.stored.rates = vec![0.0; knot.stored.angles.len()];
-        Some(KnotSequence {
-            interpolation: Interpolation::Hermite,
-            knots: vec![knot],
-            closure: self.closed(),
-            open: None,
-        })
-    }
-
-    /// Places the fewest knots found with this interpolation and time law. If even the densest knots do not keep the
-    /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, or the
-    /// interpolation does not pass where the path does.
-    fn place(&mut self, kind: Interpolation, law: &TimeLaw) -> Option<KnotSequence> {
-        self.known.clear();
-        let builder = SegmentBuilder::new(self.path, kind, law);
-        let last = self.path.arc_lengths().len().checked_sub(1)?;
-        let mut points = vec![self.path.point(0)];
-        let mut open = vec![self.path.point(last)];
-        if self.constraints.closure.is_none() {
-            open.extend(self.path.inner().rev().map(|index| self.waypoint(index)));
-            points.extend(open.drain(..).rev());
-            self.stay_within(&builder, &mut points)?;
-            return self.knots(&builder, &points);
-        }
-        // Knots are needed first of all at configurations where the motion rests, a phase ends, or accelerations jump.
-        let mut needed: Vec<PathPoint> = self
-            .path
-            .inner()
-            .map(|index| self.waypoint(index))
-            .collect();
-        needed.retain(PathPoint::stays);
-        if let (TimeLaw::Optimal(law), true) = (law, self.constraints.acceleration.is_finite()) {
-            let switches = law.switches().iter().map(|k| law.parameters()[*k]);
-            let (start, end) = (points[0].arc_length, open[0].arc_length);
-            let inner = switches.filter(|arc_length| *arc_length > start && *arc_length < end);
-            needed.extend(inner.filter_map(|arc_length| self.point_at(arc_length)));
-        }
-        needed.sort_by(|a, b| {
-            b.arc_length
-                .total_cmp(&a.arc_length)
-                .then(a.rests().cmp(&b.rests()))
-        });
-        needed.dedup_by(|a, b| {
-            let same = a.arc_length.to_bits() == b.arc_length.to_bits();
-            b.ends_phase |= same && a.ends_phase;
-            same
-        });
-        open.extend(needed);
-        let mut fits = true;
-        while let (Some(from), Some(to)) = (points.last(), open.last()) {
-            let (from, to) = (from.clone(), to.clone());
-            if self.fits(&builder, &from, &to)? {
-                points.extend(open.pop());
-            } else if let Some(between) = self.between(&from, &to) {
-                open.push(between);
-            } else if self.deforms_within(|sheet| sheet.bound) {
-                fits = false;
-                points.extend(open.pop());
-            } else {
-                return None;
-            }
-            // Halving a segment that does not fit leaves less than twice the knots needed.
-            if points.len() + open.len() > self.knot_budget.saturating_mul(2) {
-                return None;
-            }
-        }
-        self.thin(&builder, &mut points)?;
-        if !fits {
-            self.stay_within(&builder, &mut points)?;
-        }
-        if points.len() > self.knot_budget {
-            return None;
-        }
-        self.knots(&builder, &points)
-    }
-
-    /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
-    /// only roughly. The hinge then turns from one angle to the other and no farther.
-    fn stay_within(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        points: &mut [PathPoint],
-    ) -> Option<()> {
-        let mut turned = true;
-        while core::mem::take(&mut turned) {
-            for index in 1..points.len() {
-                self.span(builder, &points[index - 1], &points[index])?;
-                for (group, pair) in self.curves.iter().zip(self.constraints.limits).enumerate() {
-                    if is_within(pair) {
-                        continue;
-                    }
-                    for point in &mut points[index - 1..=index] {
-                        turned |= point.tangent[group].abs() > 0.0;
-                        point.tangent[group] = 0.0;
-                    }
-                    self.known.clear();
-                }
-            }
-        }
-        Some(())
-    }
-
-    /// Removes knots while the motion between those that remain keeps the conditions.
-    fn thin(&mut self, builder: &SegmentBuilder<'_>, points: &mut Vec<PathPoint>) -> Option<()> {
-        let mut index = 1;
-        while index + 1 < points.len() {
-            if !points[index].stays()
-                && self.fits(builder, &points[index - 1], &points[index + 1])?
-            {
-                points.remove(index);
-            } else {
-                index += 1;
-            }
-        }
-        Some(())
-    }
-
-    /// Makes the curves between two configurations, and returns the time between them. Returns `None` if there are no
-    /// such curves, or time is up.
-    fn span(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
-    ) -> Option<f64> {
-        if self.solver.is_late() {
-            return None;
-        }
-        builder.curves(from, to, &mut self.curves)
-    }
-
-    /// Returns `true` if the motion between two configurations keeps the conditions; `None` if there are no curves
-    /// between them, or time is up.
-    fn fits(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
-    ) -> Option<bool> {
-        let span = self.span(builder, from, to)?;
-        let constraints = self.constraints;
-        let (curves, limits) = (&self.curves, constraints.limits);
-        let within = parallel::all(curves.len().min(limits.len()), TIME_PER_CURVE, |group| {
-            is_within((&curves[group], &limits[group]))
-        });
-        let optimal = matches!(builder.law, TimeLaw::Optimal(_));
-        if !within || optimal && self.exceeds_limits(builder, from, to, span) {
-            return Some(false);
-        }
-        let Some(max_residual) = constraints.closure else {
-            return Some(true);
-        };
-        // Most segments that do not close well enough show it in the middle.
-        let middle: Vec<f64> = self.curves.iter().map(|curve| curve.angle(0.5)).collect();
-        if constraints.stars.largest_residual(&middle) > max_residual {
-            return Some(false);
-        }
-        let bounds = self.bounds();
-        let closes = bounds.worst() <= max_residual;
-        let fits = closes && self.deforms_within(|sheet| sheet.aim);
-        if fits {
-            self.known.insert(key(from, to), bounds);
-        }
-        Some(fits)
-    }
-
-    /// Returns `true` if the whole sheet deforms by no more than `most` over the present curves, or no bound on it is
-    /// asked for.
-    fn deforms_within(&mut self, most: fn(&SheetBounds<'_>) -> f64) -> bool {
-        let Some(sheet) = &mut self.sheet else {
-            return true;
-        };
-        let most = most(sheet);
-        sheet.certifier.rigidity(&self.curves, most).is_some()
-    }
-
-    /// Returns bounds on the closure over the present curves.
-    fn bounds(&mut self) -> Closure {
-        let stars = self.constraints.stars;
-        let (stars, loops) = (stars.view(), stars.loops());
-        self.certifier.closure(stars, loops, &self.curves).clone()
-    }
-
-    /// Returns the bounds of a motion in which nothing moves.
-    fn closed(&self) -> Closure {
-        Closure {
-            stars: vec![0.0; self.constraints.stars.vertices().len()],
-            loops: vec![[0.0; 2]; self.constraints.stars.holes().len()],
-        }
-    }
-
-    /// Returns `true` if hinges of the present curves, made between these configurations, are too fast, and more knots
-    /// between could mend that. They cannot if a hinge is too fast at one of the two: while one hinge rests at its
-    /// limit, others may be faster than the time law allows.
-    fn exceeds_limits(
-        &self,
-        builder: &SegmentBuilder<'_>,
-        from: &PathPoint,
-        to: &PathPoint,
-        span: f64,
-    ) -> bool {
-        let limit_ratio = self.limit_ratio(builder.kind, span) / (1.0 + LIMIT_EXCESS_RATIO);
-        let mut rates = builder.nodes(from).chain(builder.nodes(to));
-        limit_ratio > 1.0
-            && rates.all(|node| node.rate.abs() < limit_ratio * self.constraints.speed)
-    }
-
-    /// Returns the factor by which time has to be stretched so that the hinges of the present curves keep their limits.
-    fn limit_ratio(&self, kind: Interpolation, span: f64) -> f64 {
-        let peaks = parallel::map(&self.curves, TIME_PER_CURVE, peaks);
-        let most = peaks.iter().fold([0.0; 2], |most, peaks| {
-            [0, 1].map(|k| f64::max(most[k], peaks[k]))
-        });
-        let speed = most[0] / (span * self.constraints.speed);
-        if kind == Interpolation::Linear {
-            return speed;
-        }
-        speed.max((most[1] / (span * span * self.constraints.acceleration)).sqrt())
-    }
-
-    /// Returns the waypoint of this number, which is not an end.
-    fn waypoint(&mut self, index: usize) -> PathPoint {
-        let point = self.path.point(index);
-        self.within_limits(point)
-    }
-
-    /// Corrects a configuration between the ends. A hinge at its limit has just reached the limit or is about to leave
-    /// it, so that its rate is 0.
-    fn within_limits(&mut self, mut point: PathPoint) -> PathPoint {
-        let hinges = point.angles.iter().zip(&point.tangent);
-        let limits = hinges.zip(self.constraints.limits);
-        let at_limit = limits.map(|((angle, rate), (lower, upper))| {
-            let near = AT_LIMIT_RAD.max(RESTING_LENGTH * rate.abs());
-            let mut limits = [*lower, *upper].into_iter();
-            limits.find(|limit| (angle - limit).abs() <= near)
-        });
-        let at_limit: Vec<Option<f64>> = at_limit.collect();
-        let mut rates = at_limit.iter().zip(&point.tangent);
-        if rates.any(|(limit, rate)| limit.is_some() && rate.abs() > 0.0) {
-            let angles = point.angles.iter().zip(&at_limit);
-            let angles: Vec<f64> = angles.map(|(a, limit)| limit.unwrap_or(*a)).collect();
-            let held = self.solver.project_on_motions(&angles, &mut point.tangent);
-            if held.is_none() {
-                point.tangent.fill(0.0);
-            }
-            let rates = point.tangent.iter_mut().zip(&at_limit);
-            rates
-                .filter(|(_, limit)| limit.is_some())
-                .for_each(|(rate, _)| *rate = 0.0);
-        }
-        point
-    }
-
-    /// Returns a configuration between two others, if they are far enough apart.
-    fn between(&mut self, from: &PathPoint, to: &PathPoint) -> Option<PathPoint> {
-        if let Some(index) = self.path.waypoint_between(from.arc_length, to.arc_length) {
-            return Some(self.waypoint(index));
-        }
-        let middle = (from.arc_length + to.arc_length) / 2.0;
-        let arc_lengths = self.path.arc_lengths();
-        let next = arc_lengths.partition_point(|arc_length| *arc_length <= middle);
-        let around = arc_lengths.get(next)? - arc_lengths.get(next.checked_sub(1)?)?;
-        if to.arc_length - from.arc_length <= MIN_SPACING_RATIO * around {
-            return None;
-        }
-        self.point_at(middle)
-    }
-
-    /// Returns the closed configuration at a path length.
-    fn point_at(&mut self, arc_length: f64) -> Option<PathPoint> {
-        let known = self
-            .found
-            .iter()
-            .find(|point| point.arc_length.to_bits() == arc_length.to_bits());
-        if let Some(point) = known {
-            return Some(point.clone());
-        }
-        let point = self.path.closed(self.solver, arc_length)?;
-        let point = self.within_limits(point);
-        self.found.push(point.clone());
-        Some(point)
-    }
-
-    /// Makes the knots at these configurations, with time stretched so that no hinge is too fast.
-    fn knots(
-        &mut self,
-        builder: &SegmentBuilder<'_>,
-        points: &[PathPoint],
-    ) -> Option<KnotSequence> {
-        let (mut closure, mut open) = (self.closed(), None);
-        let most = self.constraints.closure.unwrap_or(f64::INFINITY);
-        let mut stretch = 0.0;
-        for (segment, pair) in points.windows(2).enumerate() {
-            let span = self.span(builder, &pair[0], &pair[1])?;
-            let known = self.known.remove(&key(&pair[0], &pair[1]));
-            let deforms = known.is_none() && !self.deforms_within(|sheet| sheet.bound);
-            let here = known.unwrap_or_else(|| self.bounds());
-            if open.is_none() && (deforms || here.worst() > most) {
-                open = Some(Open {
-                    segment,
-                    arc_length: pair[0].arc_length,
-                    before: closure.clone(),
-                });
-            }
-            closure.take_in(here.bounds());
-            stretch = f64::max(stretch, self.limit_ratio(builder.kind, span));
-        }
-        stretch *= 1.0 + STRETCH_MARGIN_RATIO;
-        let start = builder.law.at(&points[0])[0];
-        let knots = points.iter().map(|point| {
-            let nodes: Vec<Node<f64>> = builder.nodes(point).collect();
-            let homogeneous = builder.kind == Interpolation::Homogeneous;
-            let weights = nodes.iter().filter(|_| homogeneous);
-            let mut knot = Knot::at(point.angles.clone());
-            knot.stored.time = (builder.law.at(point)[0] - start) * stretch;
-            knot.stored.rates = nodes.iter().map(|node| node.rate / stretch).collect();
-            knot.stored.weights = weights
-                .map(|node| [node.weight[0], node.weight[1] / stretch])
-                .collect();
-            knot.ends_phase = point.ends_phase;
-            knot
-        });
-        Some(KnotSequence {
-            interpolation: builder.kind,
-            knots: knots.collect(),
-            closure,
-            open,
-        })
-    }
-}
-
-/// Returns the key of the segment between two configurations.
-fn key(from: &PathPoint, to: &PathPoint) -> [u64; 2] {
-    [from, to].map(|point| point.arc_length.to_bits())
-}

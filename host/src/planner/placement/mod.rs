@@ -3,6 +3,7 @@
 //! One entry point: [`place`](knot_placement::place).
 
 pub(super) mod knot_placement;
+pub(super) mod knot_placer;
 pub(super) mod overshoot;
 pub(super) mod reachability;
 pub(super) mod reduced_path;

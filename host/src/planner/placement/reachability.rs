@@ -10,20 +10,6 @@
 //! Newton's method on the amount by which the lower bound on the next x exceeds the upper one, a convex, piecewise
 //! linear function. A point may have derivatives from both sides, so that pieces with jumps of ρ' or ρ'' are one path.
 
-/// A path sampled on a grid: point k has the derivatives k·n .. (k+1)·n of n groups.
-///
-/// A point with different derivatives on its two sides is given twice, with the left ones first. The motion passes such
-/// a point without stopping if the two ρ' agree.
-#[derive(Clone, Copy, Debug)]
-pub struct SampledPath<'a> {
-    /// Parameter σ of each point, in increasing order.
-    pub parameters: &'a [f64],
-    /// First derivative ρ' of each group angle by σ, a row a point.
-    pub first: &'a [f64],
-    /// Second derivative ρ'' of each group angle by σ, a row a point.
-    pub second: &'a [f64],
-}
-
 /// Limits of each group.
 #[derive(Clone, Copy, Debug)]
 pub struct RateLimits<'a> {
@@ -72,7 +58,11 @@ enum Regime {
 
 /// A path with its limits, all of them sound numbers.
 pub(crate) struct Problem<'a> {
-    path: SampledPath<'a>,
+    /// Parameter σ of each point.
+    parameters: &'a [f64],
+    /// First and second derivatives ρ' and ρ'' of each group angle by σ, a row a point.
+    first: &'a [f64],
+    second: &'a [f64],
     limits: RateLimits<'a>,
     groups: usize,
     /// Groups with a limit on their acceleration.
@@ -85,22 +75,28 @@ pub(crate) struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     /// Returns `None` if nothing moves, a number is not finite, or a limit is not above 0.
-    pub(crate) fn new(path: SampledPath<'a>, limits: RateLimits<'a>) -> Option<Self> {
+    pub(crate) fn new(
+        parameters: &'a [f64],
+        [first, second]: [&'a [f64]; 2],
+        limits: RateLimits<'a>,
+    ) -> Option<Self> {
         let RateLimits {
             speeds,
             accelerations,
         } = limits;
-        let mut numbers = [path.parameters, path.first, path.second, speeds].into_iter();
+        let mut numbers = [parameters, first, second, speeds].into_iter();
         let finite = numbers.all(|numbers| numbers.iter().all(|number| number.is_finite()));
         let positive = speeds.iter().chain(accelerations).all(|limit| *limit > 0.0);
-        let largest = path.first.iter().fold(0.0, |max, d| f64::max(max, d.abs()));
-        let moves = path.parameters.first() < path.parameters.last() && largest > 0.0;
+        let largest = first.iter().fold(0.0, |max, d| f64::max(max, d.abs()));
+        let moves = parameters.first() < parameters.last() && largest > 0.0;
         if !(finite && positive && moves) {
             return None;
         }
         let accelerations = accelerations.iter().enumerate();
         let mut problem = Self {
-            path,
+            parameters,
+            first,
+            second,
             limits,
             groups: speeds.len(),
             limited: accelerations
@@ -117,16 +113,16 @@ impl<'a> Problem<'a> {
 
     /// Returns ρ' of all groups at a point.
     fn first(&self, point: usize) -> &'a [f64] {
-        &self.path.first[point * self.groups..][..self.groups]
+        &self.first[point * self.groups..][..self.groups]
     }
 
     /// Returns ρ'' of all groups at a point.
     fn second(&self, point: usize) -> &'a [f64] {
-        &self.path.second[point * self.groups..][..self.groups]
+        &self.second[point * self.groups..][..self.groups]
     }
 
     fn span(&self, point: usize) -> f64 {
-        self.path.parameters[point + 1] - self.path.parameters[point]
+        self.parameters[point + 1] - self.parameters[point]
     }
 
     /// Returns the largest σ̇² at each point that the speeds allow; at points where nothing moves, that of the nearest
@@ -139,7 +135,7 @@ impl<'a> Problem<'a> {
                 min.min((speed / rate).powi(2))
             })
         };
-        let ceiling: Vec<f64> = (0..self.path.parameters.len()).map(of).collect();
+        let ceiling: Vec<f64> = (0..self.parameters.len()).map(of).collect();
         let nearest = |last: &mut f64, x: f64| {
             *last = if x.is_finite() { x } else { *last };
             Some(*last)
@@ -156,7 +152,7 @@ impl<'a> Problem<'a> {
         if self.limited.is_empty() {
             return;
         }
-        let last = self.path.parameters.len() - 1;
+        let last = self.parameters.len() - 1;
         let corners = (0..last).filter(|&k| self.span(k) <= 0.0 && !self.joins(k));
         let corners = corners.flat_map(|k| [k, k + 1]);
         for point in [0, last].into_iter().chain(corners).collect::<Vec<_>>() {

@@ -4,40 +4,14 @@ use core::ops::Range;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::timing::{OptimalTimeLaw, RateLimits, SampledPath};
+use super::timing::{OptimalTimeLaw, RateLimits};
 use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::following::follow::Waypoint;
-use crate::planner::vectors::{max_difference, max_norm, norm};
+use crate::planner::vectors::{max_difference, norm};
 
-/// Waypoints, and the Euclidean path length in group angles to each of them.
+/// Waypoints, each with the Euclidean path length in group angles to it.
 pub(crate) struct ReducedPath {
     waypoints: Vec<Waypoint>,
-    arc_lengths: Vec<f64>,
-}
-
-/// A configuration on the path.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PathPoint {
-    /// Path length from the start.
-    pub(crate) arc_length: f64,
-    /// Group angles, radians.
-    pub(crate) angles: Vec<f64>,
-    /// Derivative of the angles by the path length.
-    pub(crate) tangent: Vec<f64>,
-    /// `true` if one phase of the motion ends here and another begins.
-    pub(crate) ends_phase: bool,
-}
-
-impl PathPoint {
-    /// Returns `true` if the motion rests here, as at a corner.
-    pub(crate) fn rests(&self) -> bool {
-        max_norm(&self.tangent) <= 0.0
-    }
-
-    /// Returns `true` if there has to be a knot here.
-    pub(crate) fn stays(&self) -> bool {
-        self.rests() || self.ends_phase
-    }
 }
 
 /// Largest distance of a closed configuration from its prediction, as a fraction of the distance between waypoints.
@@ -49,37 +23,25 @@ const MIN_SPACING_RATIO: f64 = 1.0 / 1024.0;
 
 impl ReducedPath {
     pub(crate) fn new(waypoints: &[Waypoint]) -> Self {
-        let waypoints = spread(waypoints);
+        let mut waypoints = spread(waypoints);
         let mut arc_length = 0.0;
-        let pairs = waypoints.windows(2);
-        let arc_lengths = pairs.map(|pair| {
-            arc_length += arc_between(&pair[0], &pair[1]);
-            arc_length
-        });
-        Self {
-            arc_lengths: waypoints
-                .first()
-                .map(|_| 0.0)
-                .into_iter()
-                .chain(arc_lengths)
-                .collect(),
-            waypoints,
+        for index in 0..waypoints.len() {
+            if index > 0 {
+                arc_length += arc_between(&waypoints[index - 1], &waypoints[index]);
+            }
+            waypoints[index].arc_length = arc_length;
         }
+        Self { waypoints }
     }
 
-    /// Returns the path lengths to the waypoints.
-    pub(crate) fn arc_lengths(&self) -> &[f64] {
-        &self.arc_lengths
+    /// Returns the waypoints.
+    pub(crate) fn waypoints(&self) -> &[Waypoint] {
+        &self.waypoints
     }
 
-    /// Returns the waypoint of this number.
-    pub(crate) fn point(&self, index: usize) -> PathPoint {
-        PathPoint {
-            arc_length: self.arc_lengths[index],
-            angles: self.waypoints[index].angles.clone(),
-            tangent: self.waypoints[index].tangent.clone(),
-            ends_phase: self.waypoints[index].ends_phase,
-        }
+    /// Returns the path length between a waypoint and the next.
+    fn span(&self, segment: usize) -> f64 {
+        self.waypoints[segment + 1].arc_length - self.waypoints[segment].arc_length
     }
 
     /// Returns the numbers of the waypoints between the ends.
@@ -90,20 +52,16 @@ impl ReducedPath {
     /// Returns the number of the waypoint between two path lengths that is nearest to their middle.
     pub(crate) fn waypoint_between(&self, from: f64, to: f64) -> Option<usize> {
         let middle = (from + to) / 2.0;
-        let first = self
-            .arc_lengths
-            .partition_point(|arc_length| *arc_length <= from);
-        let end = self
-            .arc_lengths
-            .partition_point(|arc_length| *arc_length < to);
-        let distance = |index: &usize| (self.arc_lengths[*index] - middle).abs();
+        let first = self.waypoints.partition_point(|w| w.arc_length <= from);
+        let end = self.waypoints.partition_point(|w| w.arc_length < to);
+        let distance = |index: &usize| (self.waypoints[*index].arc_length - middle).abs();
         (first..end).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
     /// Returns, for each group, its cubic Hermite curve from the waypoint of this number to the next, by path length.
     fn curves(&self, segment: usize) -> impl Iterator<Item = Curve<f64>> {
         let [from, to] = [&self.waypoints[segment], &self.waypoints[segment + 1]];
-        let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
+        let span = self.span(segment);
         let node = |waypoint: &Waypoint, group: usize| Node {
             angle: waypoint.angles[group],
             rate: waypoint.tangent[group],
@@ -136,10 +94,9 @@ impl ReducedPath {
         };
         let segments = self.waypoints.windows(2).map(along).enumerate();
         let nearest = segments.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        match (nearest, self.arc_lengths.last()) {
-            (Some((segment, (_, s))), Some(whole)) if *whole > 0.0 => {
-                let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
-                (self.arc_lengths[segment] + s * span) / whole
+        match (nearest, self.waypoints.last()) {
+            (Some((segment, (_, s))), Some(end)) if end.arc_length > 0.0 => {
+                (self.waypoints[segment].arc_length + s * self.span(segment)) / end.arc_length
             }
             _ => 0.0,
         }
@@ -182,14 +139,14 @@ impl ReducedPath {
         max_acceleration: f64,
     ) -> Option<OptimalTimeLaw> {
         let (mut arc_lengths, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
-        for segment in 0..self.arc_lengths.len().saturating_sub(1) {
-            let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
+        for segment in 0..self.waypoints.len().saturating_sub(1) {
+            let span = self.span(segment);
             let curves: Vec<Curve<f64>> = self.curves(segment).collect();
             // Both ends of a segment are sampled, as second derivatives jump at waypoints.
             for part in 0..=parts {
                 #[allow(clippy::cast_precision_loss, reason = "few parts")]
                 let s = part as f64 / parts as f64;
-                arc_lengths.push(self.arc_lengths[segment] + s * span);
+                arc_lengths.push(self.waypoints[segment].arc_length + s * span);
                 for curve in &curves {
                     let [once, twice] = curve.derivatives(s);
                     first.push(once / span);
@@ -198,16 +155,11 @@ impl ReducedPath {
             }
         }
         let groups = self.waypoints.first().map_or(0, |w| w.angles.len());
-        let path = SampledPath {
-            parameters: &arc_lengths,
-            first: &first,
-            second: &second,
-        };
         let limits = RateLimits {
             speeds: &vec![max_speed; groups],
             accelerations: &vec![max_acceleration; groups],
         };
-        OptimalTimeLaw::time_optimal(path, limits)
+        OptimalTimeLaw::time_optimal(&arc_lengths, [&first, &second], limits)
     }
 
     /// Returns the closed configuration at a path length, if it is found near the prediction.
@@ -215,15 +167,15 @@ impl ReducedPath {
         &self,
         solver: &mut ClosureSolver<'_>,
         arc_length: f64,
-    ) -> Option<PathPoint> {
+    ) -> Option<Waypoint> {
         let after = self
-            .arc_lengths
-            .partition_point(|known| *known <= arc_length);
+            .waypoints
+            .partition_point(|w| w.arc_length <= arc_length);
         let segment = after
             .checked_sub(1)?
-            .min(self.arc_lengths.len().checked_sub(2)?);
-        let span = self.arc_lengths[segment + 1] - self.arc_lengths[segment];
-        let s = (arc_length - self.arc_lengths[segment]) / span;
+            .min(self.waypoints.len().checked_sub(2)?);
+        let span = self.span(segment);
+        let s = (arc_length - self.waypoints[segment].arc_length) / span;
         let curves = self.curves(segment);
         let (predicted, mut tangent): (Vec<f64>, Vec<f64>) = curves
             .map(|curve| (curve.angle(s), curve.derivatives(s)[0] / span))
@@ -241,11 +193,9 @@ impl ReducedPath {
             for entry in &mut tangent {
                 *entry *= size / projected;
             }
-            PathPoint {
+            Waypoint {
                 arc_length,
-                angles,
-                tangent,
-                ends_phase: false,
+                ..Waypoint::new(angles, tangent)
             }
         })
     }
@@ -258,9 +208,8 @@ fn spread(waypoints: &[Waypoint]) -> Vec<Waypoint> {
     let least = MIN_SPACING_RATIO * widest.fold(0.0, f64::max);
     let mut kept: Vec<Waypoint> = Vec::with_capacity(waypoints.len());
     for (index, waypoint) in waypoints.iter().enumerate() {
-        let stays = waypoint.ends_phase || max_norm(&waypoint.tangent) <= 0.0;
         let near = |last: &Waypoint| arc_between(last, waypoint) < least;
-        if index + 1 == waypoints.len() || stays || !kept.last().is_some_and(near) {
+        if index + 1 == waypoints.len() || waypoint.stays() || !kept.last().is_some_and(near) {
             kept.push(waypoint.clone());
         }
     }

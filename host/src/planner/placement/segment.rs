@@ -4,8 +4,9 @@ use core::f64::consts::PI;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::reduced_path::{PathPoint, ReducedPath};
+use super::reduced_path::ReducedPath;
 use super::timing::OptimalTimeLaw;
+use crate::planner::following::follow::Waypoint;
 use crate::planner::vectors::max_norm;
 
 /// Distance from half a turn, radians, below which the digits that an angle is written with leave too few digits of its
@@ -28,7 +29,7 @@ pub(super) enum TimeLaw {
 
 impl TimeLaw {
     /// Returns the time at a configuration, and the speed there: path length per time.
-    pub(super) fn at(&self, point: &PathPoint) -> [f64; 2] {
+    pub(super) fn at(&self, point: &Waypoint) -> [f64; 2] {
         match self {
             Self::Optimal(law) => [
                 law.time_at(point.arc_length),
@@ -55,7 +56,7 @@ pub(super) struct SegmentBuilder<'a> {
 
 impl<'a> SegmentBuilder<'a> {
     pub(super) fn new(path: &ReducedPath, kind: Interpolation, law: &'a TimeLaw) -> Self {
-        let last = path.point(path.arc_lengths().len() - 1);
+        let last = &path.waypoints()[path.waypoints().len() - 1];
         let widest = |group: &usize| last.angles[*group].abs();
         let lead = match law {
             TimeLaw::Angle(lead) => Some(*lead),
@@ -69,8 +70,8 @@ impl<'a> SegmentBuilder<'a> {
     /// configuration is not on its curve, or time stands still there or runs backwards.
     pub(super) fn curves(
         &self,
-        from: &PathPoint,
-        to: &PathPoint,
+        from: &Waypoint,
+        to: &Waypoint,
         curves: &mut Vec<Curve<f64>>,
     ) -> Option<f64> {
         let span = self.law.at(to)[0] - self.law.at(from)[0];
@@ -87,10 +88,7 @@ impl<'a> SegmentBuilder<'a> {
     }
 
     /// Returns one node for each group.
-    pub(super) fn nodes<'n>(
-        &'n self,
-        point: &'n PathPoint,
-    ) -> impl Iterator<Item = Node<f64>> + 'n {
+    pub(super) fn nodes<'n>(&'n self, point: &'n Waypoint) -> impl Iterator<Item = Node<f64>> + 'n {
         let speed = self.law.at(point)[1];
         (0..point.angles.len()).map(move |group| Node {
             angle: point.angles[group],
@@ -106,7 +104,7 @@ impl<'a> SegmentBuilder<'a> {
     /// Returns the weight of a homogeneous half angle and the rate of the weight. The cosines of all groups are the
     /// same function of time, that of the lead, so that groups whose tangents of half angles keep their ratio move
     /// exactly.
-    fn weight(&self, point: &PathPoint, group: usize, speed: f64) -> [f64; 2] {
+    fn weight(&self, point: &Waypoint, group: usize, speed: f64) -> [f64; 2] {
         let (sin, cos) = (point.angles[group] / 2.0).sin_cos();
         let turn = point.tangent[group] * speed / 2.0;
         let (lead_cos, lead_rate) = match self.lead {

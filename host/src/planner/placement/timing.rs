@@ -13,7 +13,7 @@
 //! 30(6), 1985). `reachability.rs` finds the largest x at each point of a grid.
 
 use super::reachability::Problem;
-pub use super::reachability::{RateLimits, SampledPath};
+pub use super::reachability::RateLimits;
 
 /// Motion along a path: σ̇² is linear in σ between the points of the grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,12 @@ pub struct OptimalTimeLaw {
 }
 
 impl OptimalTimeLaw {
-    /// Computes the fastest motion along a path within limits. Hinges with a limit on their acceleration rest at both
+    /// Computes the fastest motion along a path within limits. The path is sampled at `parameters`, values of σ in
+    /// increasing order; `derivatives` are the first and second derivatives ρ' and ρ'' of each group angle by σ, a row a
+    /// point. A point with different derivatives on its two sides is given twice, with the left ones first. The motion
+    /// passes such a point without stopping if the two ρ' agree.
+    ///
+    /// Hinges with a limit on their acceleration rest at both
     /// ends. Returns `None` if nothing moves, a number is not finite, a limit is not above 0, or the motion would rest at
     /// one point and the next with no point between them to move at.
     ///
@@ -39,16 +44,15 @@ impl OptimalTimeLaw {
     /// # Panics
     /// If the lengths of the slices do not agree.
     #[must_use]
-    pub fn time_optimal(path: SampledPath<'_>, limits: RateLimits<'_>) -> Option<Self> {
-        let problem = Problem::new(path, limits)?;
+    pub fn time_optimal(
+        parameters: &[f64],
+        derivatives: [&[f64]; 2],
+        limits: RateLimits<'_>,
+    ) -> Option<Self> {
+        let problem = Problem::new(parameters, derivatives, limits)?;
         let squares = problem.fastest();
         let mut times = vec![0.0; squares.len()];
-        for (k, (sigma, x)) in path
-            .parameters
-            .windows(2)
-            .zip(squares.windows(2))
-            .enumerate()
-        {
+        for (k, (sigma, x)) in parameters.windows(2).zip(squares.windows(2)).enumerate() {
             let span = duration(sigma[1] - sigma[0], x[0], x[1]);
             if !span.is_finite() {
                 return None;
@@ -56,7 +60,7 @@ impl OptimalTimeLaw {
             times[k + 1] = times[k] + span;
         }
         Some(Self {
-            parameters: path.parameters.to_vec(),
+            parameters: parameters.to_vec(),
             switches: problem.switches(&squares),
             squares,
             times,

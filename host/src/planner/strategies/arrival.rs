@@ -1,23 +1,29 @@
 //! Decides whether a path ends at its goal, and which creases it leaves flat.
 
 use crate::planner::Goal;
-use crate::planner::plan::{Outcome, Plan};
+use crate::planner::lifting::lifted::Lifted;
+use crate::planner::plan::Outcome;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
 use crate::planner::vectors::fraction;
+use crate::symmetry::CreaseGroups;
 
-/// Stores in the plan which creases its path leaves flat. A plan whose path does not end at the goal is
-/// [near it](Outcome::NearGoal).
-pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
+/// Returns the number of creases that a motion of these crease groups leaves flat. A motion that is planned, but does not
+/// end at the goal, is [near it](Outcome::NearGoal).
+pub(super) fn judge_arrival(
+    problem: &PlanningProblem<'_>,
+    groups: &CreaseGroups,
+    lifted: &mut Lifted,
+) -> usize {
     let goal = problem.goal;
-    let end = plan.path.knots.last();
-    let angles = end.map(|end| plan.path.crease_angles(end));
+    let end = lifted.knots.knots.last();
+    let angles = end.map(|end| groups.expand(&end.angles));
     // Without a path, the sheet is flat.
     let angles = angles.unwrap_or_else(|| vec![0.0; goal.fold_angles.len()]);
     let flat = flat_creases(goal, &angles);
-    plan.flat_creases = flat.len();
-    if plan.outcome != Outcome::Planned {
-        return;
+    let count = flat.len();
+    if lifted.outcome != Outcome::Planned {
+        return count;
     }
     let tolerance = problem.options.goal_tolerance;
     let farthest = if goal.is_direction() {
@@ -28,16 +34,17 @@ pub(super) fn judge_arrival(problem: &PlanningProblem<'_>, plan: &mut Plan) {
     let farthest = farthest.filter(|(_, short)| *short > tolerance);
     let follows_letters = !goal.is_direction() || flat.is_empty();
     if farthest.is_none() && follows_letters {
-        return;
+        return count;
     }
     let edge = |crease: usize| problem.pattern.creases()[crease];
-    plan.outcome = Outcome::NearGoal;
-    plan.reached = fraction(&goal.fold_angles, &angles);
-    plan.reason = Some(Reason::NearGoal {
+    lifted.outcome = Outcome::NearGoal;
+    lifted.reached = fraction(&goal.fold_angles, &angles);
+    lifted.reason = Some(Reason::NearGoal {
         goal: goal.source.clone(),
         farthest: farthest.map(|(crease, short)| (edge(crease), short)),
         flat: flat.into_iter().map(edge).collect(),
     });
+    count
 }
 
 /// Returns the creases lettered M or V that have not turned their way.

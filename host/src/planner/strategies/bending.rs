@@ -2,21 +2,110 @@
 
 use std::sync::Arc;
 
+use super::rows::Context;
 use crate::certificate::range;
+use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, Diagonals, Letter};
-use crate::planner::plan::Plan;
+use crate::planner::plan::{Attempt, Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::reason::Note;
 use crate::planner::{Goal, HingeLimit, PlanOptions};
 
+/// Largest number of limits on the bend of panels that are tried after a plan is found.
+const MAX_BEND_HALVINGS: usize = 12;
+/// Largest bend that is tried to tell how far panels would have to bend, radians, and the number of smaller ones.
+const HINTED_BEND_RAD: f64 = core::f64::consts::FRAC_PI_2;
+const HINT_HALVINGS: usize = 3;
+/// Fraction of the largest bend to which the least one is looked for.
+const BEND_RATIO: f64 = 0.01;
+
+/// Plans the motion in which panels bend least, and by no more than the options allow.
+pub(crate) fn bend_least(context: &Context<'_>, attempts: &mut Vec<Attempt>) -> Option<Plan> {
+    let most = context.problem.options.bend;
+    with_least_bend(context, most, MAX_BEND_HALVINGS, attempts)
+}
+
+/// Returns a note of the bend with which panels would fold to the goal, if one would be enough.
+pub(crate) fn note_least_bend(context: &Context<'_>) -> Option<Note> {
+    let quick = PlanningProblem {
+        goes_straight: true,
+        ..*context.problem
+    };
+    let context = Context {
+        problem: &quick,
+        ..*context
+    };
+    let bent = with_least_bend(&context, HINTED_BEND_RAD, HINT_HALVINGS, &mut Vec::new())?;
+    Some(Note::WouldBend(bent.max_bend))
+}
+
+/// Returns the plan found in which panels bend least, and by no more than `most` radians, if there is one. Both diagonals
+/// of the panels are tried; then up to `halvings` smaller limits, between the largest with which no plan is found and the
+/// smallest with which one is.
+fn with_least_bend(
+    context: &Context<'_>,
+    most: f64,
+    halvings: usize,
+    attempts: &mut Vec<Attempt>,
+) -> Option<Plan> {
+    let asked = context.problem;
+    let mut best: Option<(BentSheet, Plan)> = None;
+    for which in [Diagonals::Triangulation, Diagonals::Others] {
+        let bent = BentSheet::of(asked.pattern, asked.goal, asked.options, which);
+        let Some(sheet) = bent else { continue };
+        let most = best.as_ref().map_or(most, |(_, plan)| plan.max_bend);
+        if let Some(plan) = bent_by(context, &sheet, most, attempts) {
+            best = Some((sheet, plan));
+        }
+    }
+    let (sheet, mut plan) = best?;
+    let mut too_small = 0.0;
+    for _ in 0..halvings {
+        let bend = plan.max_bend;
+        if asked.is_late() || bend - too_small < BEND_RATIO * bend {
+            break;
+        }
+        let most = f64::midpoint(too_small, bend);
+        match bent_by(context, &sheet, most, &mut Vec::new()) {
+            Some(less) => plan = less,
+            None => too_small = most,
+        }
+    }
+    Some(plan)
+}
+
+/// Plans a sheet whose panels bend by no more than `most` radians; `None` if that leads to no plan.
+fn bent_by(
+    context: &Context<'_>,
+    sheet: &BentSheet,
+    most: f64,
+    attempts: &mut Vec<Attempt>,
+) -> Option<Plan> {
+    let options = sheet.bending_by(most);
+    let problem = PlanningProblem {
+        pattern: &sheet.pattern,
+        goal: &sheet.goal,
+        options: &options,
+        ..*context.problem
+    };
+    let mut plan = context.pass(&problem, attempts)?;
+    if plan.outcome != Outcome::Planned {
+        return None;
+    }
+    plan.max_bend = sheet.largest_bend(plan.motion.as_ref()?);
+    Some(plan)
+}
+
 /// A sheet whose panels are cut along diagonals, with the same goal and options for it.
-pub(crate) struct BentSheet {
-    pub(crate) pattern: Arc<CreasePattern>,
-    pub(crate) goal: Goal,
-    pub(crate) options: PlanOptions,
+struct BentSheet {
+    pattern: Arc<CreasePattern>,
+    goal: Goal,
+    options: PlanOptions,
 }
 
 impl BentSheet {
     /// Cuts the panels of a sheet along diagonals. Returns `None` if no panel can bend, or the sheet is cut.
-    pub(crate) fn of(
+    fn of(
         pattern: &CreasePattern,
         goal: &Goal,
         options: &PlanOptions,
@@ -38,7 +127,7 @@ impl BentSheet {
     }
 
     /// Returns the options with the panels' bends limited to `most` radians.
-    pub(crate) fn bending_by(&self, most: f64) -> PlanOptions {
+    fn bending_by(&self, most: f64) -> PlanOptions {
         let mut options = self.options.clone();
         options
             .limits
@@ -50,18 +139,15 @@ impl BentSheet {
         options
     }
 
-    /// Returns the largest bend of a panel over the path of a plan of this sheet, radians.
-    pub(crate) fn largest_bend(&self, plan: &Plan) -> f64 {
-        let groups: Vec<usize> = bends(&self.pattern)
-            .filter_map(|crease| plan.path.memberships.get(crease.index()))
-            .map(|member| member.group.index())
-            .collect();
-        let segments = plan.path.curves();
-        let curves = segments
-            .iter()
-            .flat_map(|curves| groups.iter().map(|&group| &curves[group]));
+    /// Returns the largest bend of a panel over a motion of this sheet, radians.
+    fn largest_bend(&self, motion: &Motion) -> f64 {
+        let edges = bends(&self.pattern).map(|crease| self.pattern.creases()[crease.index()]);
+        let curves = edges.flat_map(|edge| {
+            let segments = 0..motion.segments();
+            segments.map(move |segment| motion.curve(segment, edge))
+        });
         let most = curves.map(|curve| {
-            let [low, high] = range(curve);
+            let [low, high] = range(&curve);
             high.max(-low)
         });
         most.fold(0.0, f64::max)

@@ -1,18 +1,47 @@
 //! Lines that turn alone: creases in one line with one letter, from border to border. They close whatever their angle is,
 //! while all other creases stay flat.
 
+use super::rows::Context;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
-use crate::planner::{Goal, HingeLimit};
+use crate::planner::plan::{Attempt, Outcome, Plan};
+use crate::planner::problem::PlanningProblem;
+use crate::planner::{Goal, HingeLimit, PlanOptions, Symmetry};
 
 /// Largest sine of the angle between two creases that are in line.
 const IN_LINE: f64 = 1e-6;
 
+/// Plans the motion in which only lines that turn alone do, if there are such lines.
+pub(crate) fn turn_lines_alone(context: &Context<'_>, attempts: &mut Vec<Attempt>) -> Option<Plan> {
+    let asked = context.problem;
+    let (goal, limits) = goal_of_lines(asked.pattern, asked.goal)?;
+    let mut options = PlanOptions {
+        // A group may have a line and other creases.
+        symmetry: Symmetry::Off,
+        ..asked.options.clone()
+    };
+    options.limits.extend(limits);
+    let problem = PlanningProblem {
+        goal: &goal,
+        options: &options,
+        ..*asked
+    };
+    context.pass(&problem, attempts)
+}
+
+/// Returns `true` if a plan leads near its goal and turns the sheet's creases by more than another one.
+pub(crate) fn turns_more(new: &Plan, best: &Plan) -> bool {
+    new.outcome == Outcome::NearGoal && turned(new) > turned(best)
+}
+
+/// Returns the sum of the angles by which creases are turned at the end of a path, radians.
+fn turned(plan: &Plan) -> f64 {
+    let end = (plan.motion.iter()).flat_map(|motion| motion.crease_angles(motion.knots.len() - 1));
+    end.map(f64::abs).sum()
+}
+
 /// Returns letters as a goal in which only lines that turn alone do, with limits that hold the other creases flat.
 /// Returns `None` if all lettered creases are in such lines, or none.
-pub(crate) fn goal_of_lines(
-    pattern: &CreasePattern,
-    letters: &Goal,
-) -> Option<(Goal, Vec<HingeLimit>)> {
+fn goal_of_lines(pattern: &CreasePattern, letters: &Goal) -> Option<(Goal, Vec<HingeLimit>)> {
     let turn = turning_lines(pattern);
     let lettered = |crease: usize| letters.signs[crease].abs() > 0.0;
     let held: Vec<usize> = (0..turn.len())

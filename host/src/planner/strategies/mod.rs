@@ -8,6 +8,8 @@ pub(super) mod driver;
 pub(super) mod fold_sequence;
 pub(super) mod lines;
 pub(super) mod pipeline;
+mod rows;
 pub(super) mod simple_folds;
 pub(super) mod split_phases;
+mod stops;
 pub(super) mod way_round;

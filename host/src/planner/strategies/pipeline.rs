@@ -1,17 +1,17 @@
-//! One pass through all stages under one error model: goal, reduction, reduced path, knots, certified motion, swept
-//! motion, plan.
+//! The stages from a route to a plan under one error model: reduced path, knots, certified motion, swept motion, plan.
 
 use super::arrival::judge_arrival;
 use crate::collision::Crossing;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::following::judge::Judge;
+use crate::planner::following::legs::straight;
 use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
-use crate::planner::following::route::{End, Route, straight};
-use crate::planner::following::route_selection::{SelectedRoute, select_route};
-use crate::planner::knots::Knot;
-use crate::planner::lifting::certified_motion::CandidatePath;
-use crate::planner::lifting::whole_sheet::{FIRST_BOUND_FRACTION, ended_unjudged, lift};
-use crate::planner::plan::{Failure, Outcome, Plan};
+use crate::planner::following::route::{End, Route};
+use crate::planner::lifting::certified_motion::Lifting;
+use crate::planner::lifting::lifted::Lifted;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
+use crate::planner::lifting::whole_sheet::lift;
+use crate::planner::plan::{Arrival, CrossingSearch, Outcome, Plan, ReducedProblem};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
@@ -23,207 +23,190 @@ const PROBE_RAD: f64 = 0.1;
 /// Largest difference between goal angles of one crease group that count as the same, radians.
 const SAME_GOAL_RAD: f64 = 1e-2;
 
-/// Result of one pass.
-pub(crate) struct Pass<'a> {
-    pub(crate) plan: Plan,
-    /// The route that was found.
-    pub(crate) route: Route<'a>,
-    /// Part of the work that made the plan.
-    pub(crate) ending: Ending,
-}
-
-/// Way in which a pass ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    /// The plan follows the route, or there is none to follow.
-    Route,
-    /// The plan follows the route, but faces cross on it although it reaches the goal, or it ends before the goal:
-    /// folding in sequence may lead on.
-    Obstructed,
-    /// The plan leaves the route, and takes the sheet straight to the goal.
-    StraightDeforming,
-}
-
-/// Runs all stages. The motion between knots is certified for `bound_fraction` of the bound at first. Returns `None` if
-/// the error model changes nothing of this sheet, or allows no path.
-pub(crate) fn run<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
-    let mut pass = run_stages(problem, bound_fraction)?;
-    judge_arrival(problem, &mut pass.plan);
-    Some(pass)
-}
-
-fn run_stages<'a>(problem: &PlanningProblem<'a>, bound_fraction: f64) -> Option<Pass<'a>> {
-    let SelectedRoute {
-        mut route,
-        symmetric,
-        asked_closure,
-    } = select_route(problem)?;
-    let mut plan = Plan {
-        iterations: route.work.iterations,
-        evaluations: route.work.evaluations,
-        notes: core::mem::take(&mut route.notes),
-        is_random: route.is_random,
-        ..Plan::default()
-    };
-    plan.times.symmetry = route.symmetry;
-    plan.times.solve = route.following;
-    describe(problem, &route.reduction, &mut plan);
-    if let Some(last) = route.waypoints.last() {
-        plan.goal_error = route.reduction.distance(&last.angles, problem.goal);
-    }
-    let pass = |plan, route, ending| {
-        Some(Pass {
-            plan,
-            route,
-            ending,
-        })
-    };
-    let stop = match route.end {
-        End::Reached if !route.waypoints.is_empty() => None,
-        End::Stopped(Stop::Timeout) if route.waypoints.is_empty() => {
-            let at = if route.goal.is_some() {
-                TimeoutAt::Following
-            } else {
-                TimeoutAt::ClosingGoal
-            };
-            return pass(plan.ended(Failure::out_of_time(at)), route, Ending::Route);
-        }
-        End::Stopped(Stop::Timeout) => {
-            plan.reached = route.reached;
-            let failure = Failure::out_of_time(TimeoutAt::Following);
-            let plan = ended_unjudged(problem, &route.waypoints, plan, failure);
-            return pass(plan, route, Ending::Route);
-        }
-        end => {
-            let reduction = symmetric.as_ref().unwrap_or(&route.reduction);
-            if let Some(plan) = deform(problem, reduction, &plan) {
-                return pass(plan, route, Ending::StraightDeforming);
-            }
-            match end {
-                End::Stopped(stop) if !route.waypoints.is_empty() => Some(stop),
-                _ => {
-                    let plan = without_route(problem, &route, plan);
-                    return pass(plan, route, Ending::Route);
-                }
-            }
-        }
-    };
-    if stop.is_none() {
-        note_moved_goal(problem, &route, asked_closure, &mut plan);
-    }
-    let (plan, ending) = along_route(problem, &route, stop, plan, bound_fraction);
-    pass(plan, route, ending)
-}
-
-/// Lifts the route to the whole sheet, as far as it leads; `stop` tells why it ends before the goal, if it does.
-fn along_route(
+/// Leads along a route as far as that goes. The motion between knots is certified for `bound_fraction` of the bound at
+/// first. Returns `true` with the plan if faces cross on it although the route reaches the goal, or if it ends before the
+/// goal: folding in phases may lead on.
+pub(crate) fn follow(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
-    stop: Option<Stop>,
-    plan: Plan,
     bound_fraction: f64,
-) -> (Plan, Ending) {
-    // Outcome if the motion along the route keeps the bound and is free of crossings.
-    let (outcome, reason) = match stop {
-        None => (Outcome::Planned, None),
-        Some(stop) => {
-            let crossing = goal_crossing(problem, route);
-            let outcome = crossing.map_or(Outcome::Partial, Outcome::Crossing);
-            (outcome, Some(path_stops(problem, route, stop)))
-        }
-    };
-    let candidate = CandidatePath {
-        waypoints: &route.waypoints,
-        closure_tolerance: route.closure_tolerance,
-        reached: route.reached,
-        retreats: plan.goal_closure > CLOSED && !problem.errors.is_snapped(),
-        bound_fraction,
-        before: None,
-    };
-    let mut plan = lift(problem, &route.reduction, &candidate, plan);
-    let crossed = matches!(plan.outcome, Outcome::Crossing(_));
-    match plan.outcome {
-        Outcome::Planned => (plan.outcome, plan.reason) = (outcome, reason),
-        // The goal crosses, however much of the path is proved.
-        Outcome::Partial if matches!(outcome, Outcome::Crossing(_)) => plan.outcome = outcome,
-        _ => {}
+) -> (Plan, bool) {
+    let mut arrival = Arrival::default();
+    if let Some(last) = route.waypoints.last() {
+        arrival.error = route.reduction.distance(&last.angles, problem.goal);
     }
-    let obstructed = crossed && outcome == Outcome::Planned || plan.outcome == Outcome::Partial;
-    if !crossed && let Outcome::Crossing(Crossing { faces, .. }) = plan.outcome {
+    let has_way = !route.waypoints.is_empty();
+    let mut is_obstructed = false;
+    let lifted = match route.end {
+        End::Reached if has_way => {
+            let start = Instant::now();
+            arrival.goal_closure = goal_closure(problem, route);
+            let time = start.elapsed();
+            let moved = moved_goal(problem, arrival);
+            let mut lifted = lift_route(problem, route, arrival.goal_closure, bound_fraction);
+            is_obstructed = matches!(lifted.outcome, Outcome::Crossing(_) | Outcome::Partial);
+            lifted.times.symmetry += time;
+            lifted.notes.splice(0..0, moved);
+            lifted
+        }
+        End::Stopped(Stop::Timeout) => out_of_time(problem, route),
+        End::Stopped(stop) if has_way => {
+            let mut lifted = lift_route(problem, route, 0.0, bound_fraction);
+            end_before_goal(problem, route, stop, &mut lifted);
+            is_obstructed = lifted.outcome == Outcome::Partial;
+            lifted
+        }
+        _ => without_route(problem, route),
+    };
+    let plan = plan_of(problem, route, &route.reduction, arrival, lifted);
+    (plan, is_obstructed)
+}
+
+/// Makes the plan of what was found on a route under the crease groups of `reduction`.
+fn plan_of(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    reduction: &Reduction<'_>,
+    mut arrival: Arrival,
+    mut lifted: Lifted,
+) -> Plan {
+    arrival.flat_creases = judge_arrival(problem, &reduction.groups, &mut lifted);
+    arrival.error = lifted.goal_error.unwrap_or(arrival.error);
+    let notes = route.notes.iter().cloned();
+    let notes = notes.chain(rough_groups(&route.reduction));
+    let mut effort = route.effort;
+    effort.times += lifted.times;
+    let memberships = reduction.groups.memberships();
+    Plan {
+        outcome: lifted.outcome,
+        reason: lifted.reason,
+        reached: lifted.reached,
+        motion: (lifted.knots).into_motion(problem.pattern.clone(), memberships, problem.options),
+        max_bend: 0.0,
+        reduced: ReducedProblem {
+            groups: reduction.groups.len(),
+            essential_vertices: reduction.essential.vertices().len(),
+            waypoints: lifted.waypoints,
+            amplification: reduction.amplification,
+            closure_tolerance: reduction.closure_tolerance(problem.options),
+        },
+        errors: lifted.errors,
+        certificate: lifted.certificate,
+        arrival,
+        effort,
+        crossings: CrossingSearch {
+            contact_tolerance: problem.contact,
+            ..lifted.crossings
+        },
+        notes: notes.chain(lifted.notes).collect(),
+        undecided: lifted.undecided,
+        attempts: Vec::new(),
+    }
+}
+
+/// Returns a note if the sheet has the symmetry of its crease groups only nearly.
+fn rough_groups(reduction: &Reduction<'_>) -> Option<Note> {
+    let groups = &reduction.groups;
+    groups.is_rough().then(|| Note::RoughGroups {
+        groups: groups.len(),
+        tolerance: groups.tolerance(),
+    })
+}
+
+/// Ends a plan as time ran out before the goal: it goes along the route as far as that was found.
+fn out_of_time(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
+    let mut lifted = Lifted {
+        reached: route.reached,
+        ..Lifted::default()
+    };
+    let at = if route.goal.is_none() && route.waypoints.is_empty() {
+        TimeoutAt::ClosingGoal
+    } else {
+        TimeoutAt::Following
+    };
+    lifted.end_unjudged(&route.waypoints, problem.options.max_speed, at);
+    lifted
+}
+
+/// Lifts a route to the whole sheet, to a goal with this closure residual.
+fn lift_route(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    goal_closure: f64,
+    bound_fraction: f64,
+) -> Lifted {
+    let ends_earlier = goal_closure > CLOSED && !problem.errors.is_snapped();
+    let (reduction, closure_tolerance) = (&route.reduction, route.closure_tolerance);
+    let lifting = Lifting {
+        reached: route.reached,
+        open_goal: ends_earlier.then_some(goal_closure),
+        ..Lifting::new(problem, reduction, &route.waypoints, closure_tolerance)
+    };
+    lift(&lifting, bound_fraction)
+}
+
+/// Stores in a motion along a route that ends before the goal why the route does, and whether faces cross at the goal.
+fn end_before_goal(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    stop: Stop,
+    lifted: &mut Lifted,
+) {
+    if lifted.outcome == Outcome::Planned {
+        lifted.outcome = Outcome::Partial;
+        lifted.reason = Some(path_stops(problem, route, stop));
+    }
+    // The goal crosses, however much of the path is proved.
+    if lifted.outcome == Outcome::Partial
+        && let Some(crossing) = goal_crossing(problem, route)
+    {
+        lifted.outcome = Outcome::Crossing(crossing);
         let goal_crosses = |reason| Reason::GoalCrosses {
-            faces,
+            faces: crossing.faces,
             path: Box::new(reason),
         };
-        plan.reason = plan.reason.map(goal_crosses);
+        lifted.reason = lifted.reason.take().map(goal_crosses);
     }
-    let ending = if obstructed {
-        Ending::Obstructed
-    } else {
-        Ending::Route
-    };
-    (plan, ending)
 }
 
-/// Stores the sizes and tolerances of the reduced problem in the plan.
-fn describe(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &mut Plan) {
-    let groups = &reduction.groups;
-    if groups.is_rough() {
-        plan.notes.push(Note::RoughGroups {
-            groups: groups.len(),
-            tolerance: groups.tolerance(),
-        });
-    }
-    plan.amplification = reduction.amplification;
-    plan.essential_tolerance = reduction.closure_tolerance(problem.options);
-    plan.groups = groups.len();
-    plan.essential_vertices = reduction.essential.vertices().len();
-    plan.unknowns = groups.len();
-    plan.path.memberships = groups.memberships().to_vec();
-}
-
-/// Stores in the plan how far the goal was from closing, with a note of how far it was moved, if it was.
-fn note_moved_goal(
-    problem: &PlanningProblem<'_>,
-    route: &Route<'_>,
-    asked_closure: Option<f64>,
-    plan: &mut Plan,
-) {
-    let start = Instant::now();
-    let goal = problem.goal;
-    let closure = asked_closure.or_else(|| {
+/// Returns how far the goal as asked is from closing. Free hinges take the angles at which the sheet closes.
+fn goal_closure(problem: &PlanningProblem<'_>, route: &Route<'_>) -> f64 {
+    let closure = route.asked_closure.or_else(|| {
         let angles = route.reduction.groups.expand(route.last());
-        let asked = goal.fold_angles.iter().zip(angles);
-        // Free hinges take the angles at which the sheet closes.
+        let asked = problem.goal.fold_angles.iter().zip(angles);
         let angles: Vec<_> = asked.map(|(asked, free)| asked.or(Some(free))).collect();
         closure_of(problem.pattern, &angles)
     });
-    plan.goal_closure = closure.unwrap_or(0.0);
-    plan.times.symmetry += start.elapsed();
-    let moved = !problem.errors.is_snapped() || plan.goal_error > SAME_RAD;
-    if plan.goal_closure > CLOSED && moved {
-        plan.notes.push(Note::GoalMoved {
-            goal: goal.source.clone(),
-            residual: plan.goal_closure,
-            moved: plan.goal_error,
-        });
-    }
+    closure.unwrap_or(0.0)
+}
+
+/// Returns a note of how far the goal was moved, if it was.
+fn moved_goal(problem: &PlanningProblem<'_>, arrival: Arrival) -> Option<Note> {
+    let moved = !problem.errors.is_snapped() || arrival.error > SAME_RAD;
+    (arrival.goal_closure > CLOSED && moved).then(|| Note::GoalMoved {
+        goal: problem.goal.source.clone(),
+        residual: arrival.goal_closure,
+        moved: arrival.error,
+    })
 }
 
 /// Returns the crossing of faces at the goal itself, if there is one.
 fn goal_crossing(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Crossing> {
-    let mut goal = Knot::at(route.goal.clone()?);
-    Judge::new(problem, &route.reduction, problem.options.collision).judge(&mut goal)
+    let goal = route.goal.as_ref()?;
+    Judge::new(problem, &route.reduction, problem.options.collision).crossing_at(goal)
 }
 
 /// Ends a plan that has no route to follow.
-fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>, mut plan: Plan) -> Plan {
+fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
+    let mut lifted = Lifted::default();
     if problem.is_late() {
-        return plan.ended(Failure::out_of_time(TimeoutAt::ClosingGoal));
+        lifted.end_late(TimeoutAt::ClosingGoal);
+        return lifted;
     }
     let End::NotClosed { phase, nearest } = route.end else {
-        return plan;
+        return lifted;
     };
-    plan.goal_error = nearest.unwrap_or_else(|| largest(&problem.goal.fold_angles));
+    lifted.goal_error = nearest.or_else(|| Some(largest(&problem.goal.fold_angles)));
     let goal = problem.goal.via.get(phase).unwrap_or(problem.goal);
     let asked = goal
         .fold_angles
@@ -232,15 +215,13 @@ fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>, mut plan: Pla
     let asked = route.reduction.groups.reduce(&asked.collect::<Vec<_>>());
     let asked: Vec<f64> = asked.into_iter().flatten().collect();
     let worst = route.reduction.worst(problem.pattern, &asked);
-    plan.ended(Failure {
-        outcome: Outcome::GoalNotClosed,
-        reason: Reason::GoalNotClosed {
-            goal: goal.source.clone(),
-            nearest,
-            worst: worst.filter(|worst| worst.residual > CLOSED),
-        },
-        kept: 1.0,
-    })
+    let reason = Reason::GoalNotClosed {
+        goal: goal.source.clone(),
+        nearest,
+        worst: worst.filter(|worst| worst.residual > CLOSED),
+    };
+    lifted.end(Outcome::GoalNotClosed, reason);
+    lifted
 }
 
 /// Returns the reason why the route ends before the goal.
@@ -281,14 +262,15 @@ fn members(pattern: &CreasePattern, reduction: &Reduction<'_>, group: usize) -> 
     members.map(|(_, &edge)| edge).collect()
 }
 
-/// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly. `plan` is the plan so far.
+/// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly along a route.
 ///
 /// The essential crease pattern is taken straight to the goal. If it keeps the bound, the path is lifted to the whole
 /// sheet: either the whole sheet keeps the bound too, or it is not rigidly foldable this way (Prop. 5.1 of the report).
 /// Returns `None` if the essential pattern already breaks the bound, or the goal does not have the symmetry of the
 /// crease groups.
-fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan) -> Option<Plan> {
+pub(crate) fn deform(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Plan> {
     let options = problem.options;
+    let reduction = route.symmetric.as_ref().unwrap_or(&route.reduction);
     let asked = reduction.groups.reduce(&problem.goal.fold_angles);
     let goal: Vec<f64> = asked.into_iter().collect::<Option<_>>()?;
     let error = reduction.distance(&goal, problem.goal);
@@ -305,17 +287,13 @@ fn deform(problem: &PlanningProblem<'_>, reduction: &Reduction<'_>, plan: &Plan)
     if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
         return None;
     }
-    let mut plan = plan.clone();
-    describe(problem, reduction, &mut plan);
-    plan.goal_error = error;
-    plan.notes.push(Note::Deforming);
-    let candidate = CandidatePath {
-        waypoints: &waypoints,
-        closure_tolerance: options.bound,
-        reached: 1.0,
-        retreats: false,
-        bound_fraction: FIRST_BOUND_FRACTION,
-        before: None,
+    let lifting = Lifting::new(problem, reduction, &waypoints, options.bound);
+    let mut lifted = lift(&lifting, FIRST_BOUND_FRACTION);
+    let notes = rough_groups(reduction).into_iter();
+    lifted.notes.splice(0..0, notes.chain([Note::Deforming]));
+    let arrival = Arrival {
+        error,
+        ..Arrival::default()
     };
-    Some(lift(problem, reduction, &candidate, plan))
+    Some(plan_of(problem, route, reduction, arrival, lifted))
 }

@@ -9,16 +9,13 @@ use std::collections::{BinaryHeap, HashSet};
 
 use fixedbitset::FixedBitSet;
 
-use super::fold_sequence::{between, plan_in_phases, set};
-use crate::folding::SpanningTree;
-use crate::planner::following::reduction::CLOSED;
-use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
+use super::stops::{StopSearch, between, search_stops, stops_of, turned_creases};
+use crate::pattern::CreasePattern;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
 
-/// Largest number of ways to part the creases into phases that are tried as plans.
-const MAX_TRIES: usize = 200;
 /// Fraction of the way to the goal that another phase is worth: a way with one phase more is tried first only if the
 /// way that it was made from leads farther by this.
 const WORTH_OF_PHASE: f64 = 0.05;
@@ -41,9 +38,11 @@ struct Candidate {
 struct Candidates<'a> {
     /// Fold angle of each crease at the goal, radians.
     goal: &'a [f64],
-    tree: &'a SpanningTree,
+    pattern: &'a CreasePattern,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
+    /// The phases that are tried.
+    tried: Phases,
 }
 
 /// Returns `true` if each hinge of a sheet is free to turn on its own, and faces cross on the plan that folds all at
@@ -63,44 +62,37 @@ pub(crate) fn fold_in_split_phases(
     goal: &[f64],
     straight: &Plan,
 ) -> Option<Plan> {
-    let pattern = problem.pattern;
-    let turned = goal.iter().enumerate();
-    let turned = turned.filter(|(_, angle)| angle.abs() > CLOSED);
-    let all = vec![set(goal, turned.map(|(crease, _)| crease))];
+    let all = vec![turned_creases(goal)];
     let mut candidates = Candidates {
         goal,
-        tree: pattern.tree(),
+        pattern: problem.pattern,
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
+        tried: all,
     };
-    candidates.split(&all, straight);
-    let mut effort = Plan::default();
-    for _ in 0..MAX_TRIES {
-        let phases = candidates.open.pop()?.phases;
-        if problem.is_late() {
-            return None;
-        }
-        let mut plan = plan_in_phases(problem, goal, &phases, FIRST_BOUND_FRACTION);
-        if plan.outcome == Outcome::Planned {
-            plan.add_effort(&effort);
-            plan.notes.push(Note::Phases(phases.len()));
-            return Some(plan);
-        }
-        candidates.split(&phases, &plan);
-        effort.add_effort(&plan);
-    }
-    None
+    candidates.learn(straight);
+    let mut plan = search_stops(problem, &mut candidates)?;
+    plan.notes.push(Note::Phases(candidates.tried.len()));
+    Some(plan)
 }
 
-impl Candidates<'_> {
+impl StopSearch for Candidates<'_> {
+    const MAX_TRIES: usize = 200;
+    const BOUND_FRACTION: f64 = FIRST_BOUND_FRACTION;
+
+    fn next(&mut self) -> Option<Vec<Vec<f64>>> {
+        self.tried = self.open.pop()?.phases;
+        Some(stops_of(self.goal, &self.tried))
+    }
+
     /// Adds the ways to split the phase of a plan in which faces cross.
-    fn split(&mut self, phases: &Phases, plan: &Plan) {
+    fn learn(&mut self, plan: &Plan) {
         let Outcome::Crossing(crossing) = plan.outcome else {
             return;
         };
-        let ended = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-        let phase = ended.count().min(phases.len() - 1);
-        let between = between(self.tree, self.goal, crossing.faces);
+        let phases = &self.tried;
+        let phase = plan.ended_phases().min(phases.len() - 1);
+        let between = between(self.pattern, crossing.faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {

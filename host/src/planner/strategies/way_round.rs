@@ -4,21 +4,20 @@
 //! other, and the next path leads by way of that configuration. The direction is the infinitesimal motion of the closed
 //! sheet nearest to the gradient of the two faces' distance.
 
-use super::fold_sequence::{between, is_free, plan_via};
+use super::stops::{StopSearch, between, search_stops};
 use crate::collision::face_distance;
 use crate::folding::FoldingMap;
 use crate::pattern::FaceId;
+use crate::planner::closing::solver::ClosureSolver;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::Reduction;
-use crate::planner::lifting::whole_sheet::FIRST_BOUND_FRACTION;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
-use crate::planner::vectors::{dot, max_norm};
+use crate::planner::vectors::{add_scaled, dot, max_norm};
 use crate::symmetry::CreaseGroups;
 
-/// Largest number of configurations by way of which a path is led.
-const MAX_STOPS: usize = 12;
 /// Part of the whole path by which the path has to become longer with each of these configurations.
 const MIN_GAIN_RATIO: f64 = 0.02;
 /// Distances to which faces that would cross are moved apart, median edges, tried one after the other: others may cross
@@ -36,133 +35,158 @@ const PROBE_RAD: f64 = 1e-5;
 
 /// Returns a plan that leads round the crossing of `straight`, and others that follow, if one is found.
 pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Plan) -> Option<Plan> {
-    let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
-    let mut stops: Vec<Vec<f64>> = Vec::new();
-    let mut pairs = Vec::new();
-    let mut effort = Plan::default();
-    let mut plan = straight.clone();
-    let mut reached = plan.reached;
-    while stops.len() < MAX_STOPS && !problem.is_late() {
-        let Outcome::Crossing(crossing) = plan.outcome else {
+    let mut way = WayRound {
+        problem,
+        reduction: &Reduction::of(problem, CreaseGroups::trivial(problem.pattern)),
+        stops: Vec::new(),
+        pairs: Vec::new(),
+        last: straight.clone(),
+        gains: true,
+    };
+    let mut plan = search_stops(problem, &mut way)?;
+    plan.notes.push(Note::Phases(way.stops.len() + 1));
+    Some(plan)
+}
+
+/// A way that gets another stop wherever faces cross on it.
+struct WayRound<'a> {
+    problem: &'a PlanningProblem<'a>,
+    reduction: &'a Reduction<'a>,
+    /// Fold angles of the creases at the stops, radians.
+    stops: Vec<Vec<f64>>,
+    /// Faces that crossed.
+    pairs: Vec<[FaceId; 2]>,
+    /// The plan by way of these stops.
+    last: Plan,
+    /// `true` if the last stop has made the way to the crossing longer.
+    gains: bool,
+}
+
+impl StopSearch for WayRound<'_> {
+    const MAX_TRIES: usize = 12;
+    const BOUND_FRACTION: f64 = FIRST_BOUND_FRACTION;
+
+    fn next(&mut self) -> Option<Vec<Vec<f64>>> {
+        let Outcome::Crossing(crossing) = self.last.outcome else {
             return None;
         };
-        if !pairs.contains(&crossing.faces) {
-            pairs.push(crossing.faces);
+        if !self.gains {
+            return None;
         }
-        let phases = plan.path.knots.iter().filter(|knot| knot.ends_phase);
-        let phase = phases.count().min(stops.len());
-        let mut knots = plan.path.knots.iter().rev();
-        let [end, before] = [knots.next()?, knots.next()?].map(|k| plan.path.crease_angles(k));
+        if !self.pairs.contains(&crossing.faces) {
+            self.pairs.push(crossing.faces);
+        }
+        let phase = self.last.ended_phases().min(self.stops.len());
+        let motion = self.last.motion.as_ref()?;
+        let last = motion.knots.len() - 1;
+        let [end, before] = [last, last.checked_sub(1)?].map(|knot| motion.crease_angles(knot));
         let along: Vec<f64> = end
             .iter()
             .zip(before)
             .map(|(end, before)| end - before)
             .collect();
-        let at = [end.as_slice(), along.as_slice()];
         let mut apart = CLEARANCES_EDGES
             .iter()
-            .map(|&clear| moved_apart(problem, &reduction, at, &pairs, clear));
-        stops.insert(phase, apart.find_map(|found| found)?);
-        plan = plan_via(problem, &stops, FIRST_BOUND_FRACTION);
-        if plan.outcome == Outcome::Planned {
-            plan.add_effort(&effort);
-            plan.notes.push(Note::Phases(stops.len() + 1));
-            return Some(plan);
-        }
-        effort.add_effort(&plan);
-        if plan.reached < reached + MIN_GAIN_RATIO {
-            return None;
-        }
-        reached = plan.reached;
+            .map(|&clear| self.moved_apart(&end, &along, clear));
+        self.stops.insert(phase, apart.find_map(|found| found)?);
+        Some(self.stops.clone())
     }
-    None
+
+    fn learn(&mut self, plan: &Plan) {
+        self.gains = plan.reached >= self.last.reached + MIN_GAIN_RATIO;
+        self.last = plan.clone();
+    }
 }
 
-/// Returns a closed configuration near `angles`, fold angles of the creases in radians, at which each pair of faces is
-/// this far from each other (median edges) and no faces cross, if one is found. Moves `along` the path, which only lead
-/// back, do not count.
-fn moved_apart(
-    problem: &PlanningProblem<'_>,
-    reduction: &Reduction<'_>,
-    [angles, along]: [&[f64]; 2],
-    pairs: &[[FaceId; 2]],
-    clear: f64,
-) -> Option<Vec<f64>> {
-    let options = problem.options;
-    let clear = clear * problem.pattern.median_edge();
-    let mut angles = angles.to_vec();
-    let mut map = FoldingMap::flat(problem.pattern);
-    let mut distance = |angles: &[f64], faces| {
-        map.fold(problem.pattern, reduction.tree, angles);
-        face_distance(problem.pattern, &map, faces)
-    };
-    let mut solver = reduction.solver(options, 0.0);
-    let (_, signs) = reduction.asked(problem.goal);
-    solver.limits = reduction.orthant(&signs);
-    let along = reduction.groups.reduce_all(along);
-    for _ in 0..MAX_MOVES {
-        // For each pair that is too near, how much it lacks and the gradient of its distance.
+/// How much a pair of faces lacks of the distance that it should have, and the gradient of its distance by the group angles.
+type Near = (f64, Vec<f64>);
+
+impl WayRound<'_> {
+    /// Returns a closed configuration near `angles`, fold angles of the creases in radians, at which each pair of faces is
+    /// this far from each other (median edges) and no faces cross, if one is found. Moves `along` the path, which only
+    /// lead back, do not count.
+    fn moved_apart(&self, angles: &[f64], along: &[f64], clear: f64) -> Option<Vec<f64>> {
+        let (problem, reduction) = (self.problem, self.reduction);
+        let options = problem.options;
+        let mut angles = angles.to_vec();
+        let mut map = FoldingMap::flat(problem.pattern);
+        let mut solver = reduction.solver(options, 0.0);
+        let (_, signs) = reduction.asked(problem.goal);
+        solver.limits = reduction.orthant(&signs);
+        let along = reduction.groups.reduce_all(along);
+        for _ in 0..MAX_MOVES {
+            let near = self.too_near(&mut map, &angles, clear)?;
+            if near.is_empty() {
+                break;
+            }
+            let mut closed = reduction.groups.reduce_all(&angles);
+            move_apart(&mut solver, &mut closed, &along, &near)?;
+            angles = reduction.groups.expand(&closed);
+        }
+        let mut judge = Judge::new(problem, reduction, options.collision);
+        judge.is_free(&angles, options).then_some(angles)
+    }
+
+    /// Returns the pairs that are nearer than `clear` median edges. Returns `None` if faces intersect or time is up.
+    fn too_near(&self, map: &mut FoldingMap, angles: &[f64], clear: f64) -> Option<Vec<Near>> {
+        let (pattern, reduction) = (self.problem.pattern, self.reduction);
+        let clear = clear * pattern.median_edge();
+        let mut distance = |angles: &[f64], faces| {
+            map.fold(pattern, reduction.tree, angles);
+            face_distance(pattern, map, faces)
+        };
         let mut near = Vec::new();
-        for &faces in pairs {
-            let before = distance(&angles, faces);
+        for &faces in &self.pairs {
+            let before = distance(angles, faces);
             if before >= clear {
                 continue;
             }
             let mut slopes = vec![0.0; angles.len()];
-            for crease in between(reduction.tree, &angles, faces).ones() {
-                let mut turned = angles.clone();
+            for crease in between(pattern, faces).ones() {
+                let mut turned = angles.to_vec();
                 turned[crease] += PROBE_RAD;
                 slopes[crease] = (distance(&turned, faces) - before) / PROBE_RAD;
             }
             // Faces that intersect have no direction in which they part.
             let parts = dot(&slopes, &slopes);
-            if parts.is_nan() || parts <= 0.0 || problem.is_late() {
+            if parts.is_nan() || parts <= 0.0 || self.problem.is_late() {
                 return None;
             }
             near.push((clear - before, reduction.groups.reduce_all(&slopes)));
         }
-        if near.is_empty() {
-            break;
-        }
-        let mut closed = reduction.groups.reduce_all(&angles);
-        let mut turns = vec![0.0; closed.len()];
-        for (lacks, slopes) in &near {
-            let turn = lacks / dot(slopes, slopes);
-            turns
-                .iter_mut()
-                .zip(slopes)
-                .for_each(|(sum, slope)| *sum += turn * slope);
-        }
-        let wanted = max_norm(&turns);
-        solver.project_on_motions(&closed, &mut turns)?;
-        let part = dot(&turns, &along) / dot(&along, &along);
-        turns
-            .iter_mut()
-            .zip(&along)
-            .for_each(|(turn, along)| *turn -= part * along);
-        let most = max_norm(&turns);
-        // A sheet without freedom to spare moves along the path only.
-        if most < MIN_TURN_RATIO * wanted {
-            return None;
-        }
-        let steps = near
-            .iter()
-            .map(|(lacks, slopes)| lacks / dot(&turns, slopes));
-        let step = steps.filter(|step| *step > 0.0).fold(0.0, f64::max);
-        if step <= 0.0 {
-            return None;
-        }
-        let step = f64::min(OVERSHOOT_RATIO * step, MAX_TURN_RAD / most);
-        closed
-            .iter_mut()
-            .zip(turns)
-            .for_each(|(angle, turn)| *angle += step * turn);
-        if !solver.closes(&mut closed) {
-            return None;
-        }
-        angles = reduction.groups.expand(&closed);
+        Some(near)
     }
-    let mut judge = Judge::new(problem, reduction, options.collision);
-    let tolerance = reduction.closure_tolerance(options);
-    is_free(&mut judge, &reduction.groups, &angles, tolerance).then_some(angles)
+}
+
+/// Moves pairs that are too near apart, by one move of closed group angles. Returns `None` if they cannot be moved so, but
+/// for moves `along` the path.
+fn move_apart(
+    solver: &mut ClosureSolver<'_>,
+    closed: &mut [f64],
+    along: &[f64],
+    near: &[Near],
+) -> Option<()> {
+    let mut turns = vec![0.0; closed.len()];
+    for (lacks, slopes) in near {
+        add_scaled(&mut turns, lacks / dot(slopes, slopes), slopes);
+    }
+    let wanted = max_norm(&turns);
+    solver.project_on_motions(closed, &mut turns)?;
+    let part = dot(&turns, along) / dot(along, along);
+    add_scaled(&mut turns, -part, along);
+    let most = max_norm(&turns);
+    // A sheet without freedom to spare moves along the path only.
+    if most < MIN_TURN_RATIO * wanted {
+        return None;
+    }
+    let steps = near
+        .iter()
+        .map(|(lacks, slopes)| lacks / dot(&turns, slopes));
+    let step = steps.filter(|step| *step > 0.0).fold(0.0, f64::max);
+    if step <= 0.0 {
+        return None;
+    }
+    let step = f64::min(OVERSHOOT_RATIO * step, MAX_TURN_RAD / most);
+    add_scaled(closed, step, &turns);
+    solver.closes(closed).then_some(())
 }

@@ -229,15 +229,15 @@ fn paths_csv(cells: &[PathCell]) -> String {
             cell.seconds,
             plan.outcome.name(),
             plan.knots().len(),
-            plan.max_closure,
-            plan.rigidity.deformation,
-            plan.rigidity.gap,
-            plan.certified_deformation
+            plan.errors.closure,
+            plan.errors.rigidity.deformation,
+            plan.errors.rigidity.gap,
+            plan.certified_deformation()
                 .map_or(String::new(), |c| format!("{c:e}")),
-            plan.goal_error.to_degrees(),
-            plan.unknowns,
-            plan.iterations,
-            plan.evaluations,
+            plan.arrival.error.to_degrees(),
+            plan.reduced.groups,
+            plan.effort.iterations,
+            plan.effort.evaluations,
         );
     }
     text
@@ -270,7 +270,7 @@ fn path_lines(cells: &[PathCell]) -> Vec<Line> {
             name: name.clone(),
             thick: name.ends_with("groups"),
             points: of_line
-                .filter_map(|c| Some((c.plan.certified_deformation?, c.seconds)))
+                .filter_map(|c| Some((c.plan.certified_deformation()?, c.seconds)))
                 .collect(),
         }
     };

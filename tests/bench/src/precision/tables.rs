@@ -234,16 +234,16 @@ pub(super) fn paths(cells: &[PathCell]) -> String {
     };
     for cell in cells.iter().filter(shown) {
         let plan = &cell.plan;
-        let certified = plan.certified_deformation.map(|c| format!("{c:.1e}"));
+        let certified = plan.certified_deformation().map(|c| format!("{c:.1e}"));
         table += &row([
             cell.name(),
             format!("{:.0e}", cell.bound),
             time(cell.seconds),
             plan.knots().len().to_string(),
-            format!("{:.1e}", plan.max_closure),
-            format!("{:.1e}", plan.rigidity.deformation),
+            format!("{:.1e}", plan.errors.closure),
+            format!("{:.1e}", plan.errors.rigidity.deformation),
             or_dash(certified),
-            format!("{:.1e}", plan.goal_error.to_degrees()),
+            format!("{:.1e}", plan.arrival.error.to_degrees()),
             plan.outcome.name().into(),
         ]);
     }

@@ -34,8 +34,8 @@ pub(super) fn ours(sheet: &Sheet, bound: f64) -> Ours {
     };
     let (seconds, last, whole) = repeated(timed);
     Ours {
-        given: whole.times.symmetry.as_secs_f64(),
-        collision: whole.times.collision.as_secs_f64() / last,
+        given: whole.effort.times.symmetry.as_secs_f64(),
+        collision: whole.effort.times.collision.as_secs_f64() / last,
         plan: whole,
         seconds,
     }

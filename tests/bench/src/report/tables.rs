@@ -245,7 +245,7 @@ fn errors(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         } else {
             " | | | ".into()
         };
-        let certified = plan.certified_deformation.map(percent).unwrap_or_default();
+        let certified = plan.certified_deformation().map(percent).unwrap_or_default();
         writeln!(out, "{} {theirs} | {ours} | {certified} |", row.sheet())?;
     }
     writeln!(out)
@@ -323,7 +323,7 @@ fn csv(rows: &[Row]) -> String {
             at.deformation,
             between.deformation,
             at.gap.max(between.gap),
-            number(ours.plan.certified_deformation),
+            number(ours.plan.certified_deformation()),
             number(ratio),
         );
     }

@@ -175,22 +175,22 @@ fn here(work: Work, runs: usize) -> Value {
     json!({
         "faces": counts[0],
         "hinges": counts[1],
-        "unknowns": plan.unknowns,
-        "configurations": plan.waypoints,
+        "unknowns": plan.reduced.groups,
+        "configurations": plan.reduced.waypoints,
         "knots": plan.knots().len(),
         "pattern": middle(drawn),
-        "symmetry": median(|p| p.times.symmetry),
-        "solve": median(|p| p.times.solve),
-        "place": median(|p| p.times.place),
-        "fold": median(|p| p.times.fold),
-        "collision": median(|p| p.times.collision),
+        "symmetry": median(|p| p.effort.times.symmetry),
+        "solve": median(|p| p.effort.times.solve),
+        "place": median(|p| p.effort.times.place),
+        "fold": median(|p| p.effort.times.fold),
+        "collision": median(|p| p.effort.times.collision),
         "total": median(|p| {
-            let times = p.times;
+            let times = p.effort.times;
             times.symmetry + times.solve + times.place + times.fold + times.collision
         }),
-        "certified": plan.certified_deformation,
-        "closure": plan.max_closure,
-        "everywhere": u8::from(plan.clearance.is_some()),
+        "certified": plan.certified_deformation(),
+        "closure": plan.errors.closure,
+        "everywhere": u8::from(plan.crossings.clearance.is_some()),
         "memory": memory,
     })
 }
