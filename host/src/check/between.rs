@@ -103,7 +103,6 @@ pub(super) fn check_crossings(
     tree: &SpanningTree,
     (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     options: &CheckOptions,
-    watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let certified = verdict.certified().map(|most| most.gap);
@@ -119,7 +118,7 @@ pub(super) fn check_crossings(
         closure: verdict.closure_bound(),
         gap,
     };
-    let searched = sheet.search(&motion.segments, &effort, openness, watch);
+    let searched = sheet.search(&motion.segments, &effort, openness);
     match searched.verdict {
         SweepVerdict::Free(clearance) => {
             // The knots of a torn sheet are looked at once more, each as a whole.
