@@ -33,14 +33,24 @@ pub(crate) enum Product {
 }
 
 impl Product {
+    /// Returns the pose of the face beyond a crease at this fold angle, given that of the face before. The crease runs
+    /// through `pivot` along `axis` in the flat sheet.
     #[inline]
-    fn of(self, r_wf: Rotation<f64>, half: HalfAngle<f64>, axis: Vector2<f64>) -> Rotation<f64> {
-        let general = || r_wf * Rotation::about_crease(half, axis.into());
-        match self {
-            Self::Measured => r_wf.across_crease(half, axis.into()).renormalised(),
+    pub(super) fn cross(
+        self,
+        before: &Pose,
+        pivot: Vector2<f64>,
+        axis: Vector2<f64>,
+        half: HalfAngle<f64>,
+    ) -> Pose {
+        let general = || before.r_wf * Rotation::about_crease(half, axis.into());
+        let r_wf = match self {
+            Self::Measured => before.r_wf.across_crease(half, axis.into()).renormalised(),
             Self::Renormalised => general().renormalised(),
             Self::Plain => general(),
-        }
+        };
+        // The pivot stays where the face before takes it.
+        Pose::about(r_wf, pivot, before.apply(pivot))
     }
 }
 
@@ -49,16 +59,10 @@ impl Hinge {
     /// creases without one stay flat.
     pub(crate) fn of(step: &Step, memberships: &[Membership]) -> Self {
         let member = |crease: CreaseId| memberships.get(crease.index()).copied();
-        Self::new(step, step.crease.and_then(member))
-    }
-
-    /// Returns the hinge that a step crosses, if its crease turns as `turns` says.
-    #[inline]
-    pub(super) fn new(step: &Step, turns: Option<Membership>) -> Self {
         Self {
             from: step.parent.0,
             to: step.face.0,
-            turns,
+            turns: step.crease.and_then(member),
             pivot: step.pivot,
             axis: step.axis,
         }
@@ -76,13 +80,7 @@ impl Hinge {
             return *before;
         };
         let half = half_angle(member).signed(member.negative);
-        // The pivot stays where the face before takes it.
-        let pivot_w = before.apply(self.pivot);
-        Pose::about(
-            product.of(before.r_wf, half, self.axis),
-            self.pivot,
-            pivot_w,
-        )
+        product.cross(before, self.pivot, self.axis, half)
     }
 
     /// Returns the group of the crease, if it turns.
@@ -96,7 +94,7 @@ impl Hinge {
 #[inline]
 pub(crate) fn place_all(
     poses: &mut [Pose],
-    hinges: impl IntoIterator<Item = Hinge>,
+    hinges: &[Hinge],
     half_angles: &[HalfAngle<f64>],
     product: Product,
 ) {

@@ -1,10 +1,10 @@
 //! The folding map at one configuration, by rotations along a spanning tree of the faces, and the rigidity of
 //! the sheet under it.
 
-use foldpath_core::{GroupId, HalfAngle, Membership, Rotation, closure};
+use foldpath_core::{HalfAngle, Membership, Rotation, closure};
 use nalgebra::Vector3;
 
-use super::hinge::{Hinge, Product, half_angle, place_all};
+use super::hinge::Product;
 use super::pose::Pose;
 use crate::pattern::{CreaseId, CreasePattern, FaceId, Rigidity, SpanningTree, Step, VertexId};
 use crate::util::nan_max::{larger, largest};
@@ -84,6 +84,16 @@ impl FoldingMap {
         closure::half_angles(angles, &mut self.half_angles);
     }
 
+    /// Returns the half angle of a crease; flat if no angle was given.
+    #[inline]
+    fn half_angle(&self, crease: CreaseId) -> HalfAngle<f64> {
+        let half = |index: usize| self.half_angles.get(index).copied().unwrap_or_default();
+        match self.memberships.get(crease.index()) {
+            Some(of) => half(of.group.index()).signed(of.negative),
+            None => half(crease.index()),
+        }
+    }
+
     /// Places faces and vertices by the half angles.
     fn place(&mut self, pattern: &CreasePattern, tree: &SpanningTree) {
         if self
@@ -97,11 +107,17 @@ impl FoldingMap {
         for &root in tree.roots() {
             self.poses[root.index()] = Pose::identity();
         }
-        let member = |crease| member(&self.memberships, crease);
-        let hinges = tree.steps().iter();
-        let hinges = hinges.map(|step| Hinge::new(step, step.crease.map(member)));
-        let product = Product::Measured;
-        place_all(&mut self.poses, hinges, &self.half_angles, product);
+        for step in tree.steps() {
+            let before = &self.poses[step.parent.index()];
+            let pose = match step.crease {
+                Some(crease) => {
+                    let half = self.half_angle(crease);
+                    Product::Measured.cross(before, step.pivot, step.axis, half)
+                }
+                None => *before,
+            };
+            self.poses[step.face.index()] = pose;
+        }
         self.place_vertices(pattern);
     }
 
@@ -153,12 +169,10 @@ impl FoldingMap {
     /// renormalised.
     fn beyond(&self, step: &Step) -> Rotation<f64> {
         let r_wp = self.poses[step.parent.index()].r_wf;
-        let Some(crease) = step.crease else {
-            return r_wp;
-        };
-        let member = member(&self.memberships, crease);
-        let half = half_angle(&self.half_angles, member);
-        r_wp.across_crease(half.signed(member.negative), step.axis.into())
+        match step.crease {
+            Some(crease) => r_wp.across_crease(self.half_angle(crease), step.axis.into()),
+            None => r_wp,
+        }
     }
 
     /// Returns the rigid motion of each face.
@@ -192,16 +206,6 @@ impl FoldingMap {
             twist: 2.0 * largest(twists).sqrt(),
         }
     }
-}
-
-/// Returns group and sign of a crease; a crease without a membership is a group of its own.
-#[inline]
-fn member(memberships: &[Membership], crease: CreaseId) -> Membership {
-    let own = Membership {
-        group: GroupId(crease.0),
-        negative: false,
-    };
-    memberships.get(crease.index()).copied().unwrap_or(own)
 }
 
 /// Returns the largest relative change of length of an edge or virtual edge, for given folded positions.

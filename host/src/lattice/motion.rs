@@ -110,7 +110,7 @@ impl LatticeMotion {
     pub fn fold(&mut self, groups: &[HalfAngle<f64>]) {
         let CellConfiguration { poses, steps } = &mut self.folded;
         let product = Product::Renormalised;
-        place_all(poses, self.tree.iter().copied(), groups, product);
+        place_all(poses, &self.tree, groups, product);
         for (screw, (hinge, step)) in steps.iter_mut().zip(&self.loops) {
             let half_angle = |member| half_angle(groups, member);
             let ahead = hinge.cross(&poses[hinge.from as usize], half_angle, product);

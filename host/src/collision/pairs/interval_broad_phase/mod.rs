@@ -192,8 +192,8 @@ impl IntervalBroadPhase {
     fn fold(&mut self, motion: &Motion, pieces: &Pieces, time: Tick, which: usize) {
         motion.half_angles(time, &mut self.half_angles);
         self.poses.fill(Pose::identity());
-        let hinges = self.hinges.iter().copied();
-        place_all(&mut self.poses, hinges, &self.half_angles, Product::Plain);
+        let (poses, half_angles) = (&mut self.poses, &self.half_angles);
+        place_all(poses, &self.hinges, half_angles, Product::Plain);
         for (normal, pose) in self.normals[which].iter_mut().zip(&self.poses) {
             *normal = pose.r_wf.rotate(&Vector3::z());
         }
