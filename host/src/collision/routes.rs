@@ -14,7 +14,7 @@
 //! | [`SearchEffort::PICTURE`]: clearance of a motion | on sheets that are not torn | 1 million | 2,000 faces |
 //! | [`SearchEffort::PICTURE_SHAPE`]: clearance of a shape | like the motion | 200,000 | like the motion |
 
-use std::cell::OnceCell;
+use core::cell::OnceCell;
 
 use foldpath_core::{Curve, Membership};
 
