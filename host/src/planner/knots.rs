@@ -7,7 +7,7 @@ use foldpath_core::{Curve, GroupId, Interpolation, Membership};
 use super::PlanOptions;
 use crate::certificate::Closure;
 use crate::folding::Rigidity;
-use crate::motion::{Claims, GroupNaming, Knot, Motion};
+use crate::motion::{Claims, Knot, Motion};
 use crate::pattern::CreasePattern;
 
 /// Knots, the interpolation between them, and bounds on the motion.
@@ -89,10 +89,7 @@ impl KnotSequence {
         let edges = pattern.edges().iter();
         let members = edges.map(|edge| Some(memberships[edge.crease?.index()]));
         Some(Motion {
-            title: String::new(),
             members: members.collect(),
-            pattern,
-            naming: GroupNaming::Named,
             interpolation: self.interpolation,
             max_speed: Some(options.max_speed),
             // A hinge that turns evenly from knot to knot changes its speed at once.
@@ -100,10 +97,9 @@ impl KnotSequence {
                 Interpolation::Linear => Some(f64::INFINITY),
                 _ => Some(options.max_acceleration.unwrap_or(f64::INFINITY)),
             },
-            seed: None,
-            answer: None,
             knots: self.knots,
             phases: self.phases,
+            ..Motion::flat("", pattern)
         })
     }
 }

@@ -54,8 +54,8 @@ fn planned(name: &str, pattern: &CreasePattern) -> Option<Planned> {
     }
     Some(Planned {
         name: name.into(),
-        motion: plan.motion?,
         certified: plan.certified_deformation()?,
+        motion: plan.motion?,
     })
 }
 

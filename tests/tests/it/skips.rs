@@ -50,7 +50,7 @@ fn compare(file: &Path, switches: &[Skips]) {
             (Some(all), Some(some)) => assert!(some <= all + 1e-9, "{name}: {some} {all}"),
             (all, some) => assert_eq!(all, some, "{name}"),
         }
-        let counts = some.collision;
+        let counts = some.crossings.counts;
         let off = [
             (skips.symmetry, counts.skipped_symmetry),
             (skips.motion, counts.skipped_motion),

@@ -197,17 +197,11 @@ impl<'a> RouteFinder<'a> {
             followed.waypoints.insert(0, at_flat(tangent));
             if followed.stop.is_some() {
                 // Waypoints beyond the one nearest to the goal are not part of the path.
-                let parts = followed
-                    .waypoints
-                    .iter()
-                    .map(|w| fraction(&self.asked, &w.angles));
-                let far =
-                    parts.enumerate().fold(
-                        (0, 0.0),
-                        |best, (k, part)| {
-                            if part > best.1 { (k, part) } else { best }
-                        },
-                    );
+                let waypoints = followed.waypoints.iter().enumerate();
+                let far = waypoints.fold((0, 0.0), |best, (k, waypoint)| {
+                    let part = fraction(&self.asked, &waypoint.angles);
+                    if part > best.1 { (k, part) } else { best }
+                });
                 followed.waypoints.truncate(far.0 + 1);
             }
             let last = followed.waypoints.last();

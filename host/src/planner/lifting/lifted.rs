@@ -34,7 +34,7 @@ pub(crate) struct Lifted {
     pub(crate) recourse: Recourse,
 }
 
-/// What can be done if faces cross on a motion.
+/// Reaction that is possible if faces cross on a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Recourse {
     /// Nothing: the motion ends where faces cross.
@@ -125,14 +125,11 @@ fn unmeasured(waypoints: &[Waypoint], max_speed: f64) -> KnotSequence {
             ..Knot::default()
         }
     });
-    let phases = waypoints.iter().enumerate();
+    let phases = (0..waypoints.len()).filter(|&index| waypoints[index].ends_phase);
     KnotSequence {
         interpolation: Interpolation::Linear,
         knots: knots.collect(),
-        phases: phases
-            .filter(|(_, waypoint)| waypoint.ends_phase)
-            .map(|(index, _)| index)
-            .collect(),
+        phases: phases.collect(),
         ..KnotSequence::default()
     }
 }

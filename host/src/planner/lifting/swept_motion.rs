@@ -33,7 +33,7 @@ const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
 
-/// What the search for crossings says of a motion.
+/// Answer of the search for crossings on a motion.
 pub(crate) enum Swept {
     /// No faces cross. The smallest distance of two of them was found, if faces were looked at.
     Free(Option<Clearance>),

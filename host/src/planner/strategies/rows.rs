@@ -31,7 +31,7 @@ pub(crate) struct Row {
     pub(crate) seed: Option<u64>,
 }
 
-/// What a strategy starts from.
+/// Value from which a strategy starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StartsFrom {
     /// The problem, of which a route is looked for.
@@ -42,7 +42,7 @@ pub(crate) enum StartsFrom {
     Answer,
 }
 
-/// What a row is tried on.
+/// Input of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(crate) table: &'static [Row],

@@ -98,7 +98,7 @@ impl StopSearch for WayRound<'_> {
     }
 }
 
-/// How much a pair of faces lacks of the distance that it should have, and the gradient of its distance by the group angles.
+/// Distance that a pair of faces lacks, and the gradient of its distance by the group angles.
 type Near = (f64, Vec<f64>);
 
 impl WayRound<'_> {
