@@ -8,7 +8,7 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict, is_torn,
+    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Motion;
@@ -103,7 +103,6 @@ pub(super) fn check_crossings(
     tree: &SpanningTree,
     (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     options: &CheckOptions,
-    watch: Watch<'_>,
     verdict: &mut Verdict,
 ) {
     let certified = verdict.certified().map(|most| most.gap);
@@ -119,11 +118,11 @@ pub(super) fn check_crossings(
         closure: verdict.closure_bound(),
         gap,
     };
-    let searched = sheet.search(&motion.segments, &effort, openness, watch);
+    let searched = sheet.search(&motion.segments, &effort, openness);
     match searched.verdict {
         SweepVerdict::Free(clearance) => {
             // The knots of a torn sheet are looked at once more, each as a whole.
-            if is_torn(gap) {
+            if sheet.is_torn(gap) {
                 let crossing = crossed_knot(path, tree, verdict);
                 verdict.crossings.extend(crossing);
             }

@@ -7,7 +7,6 @@ use super::{Measured, MergedGroups, Verdict};
 use crate::collision::SearchedSheet;
 use crate::folding::Rigidity;
 use crate::motion::Motion;
-use crate::progress::Watch;
 
 /// Number of equal parts of a segment at whose ends speeds are measured.
 const SPEED_PARTS: u8 = 64;
@@ -86,14 +85,13 @@ pub(super) fn judge_clearances(
     path: &Motion,
     (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     measured: &[Measured],
-    watch: Watch<'_>,
 ) -> (Vec<Failure>, Vec<Undecided>) {
     let (mut wrong, mut unknown) = (Vec::new(), Vec::new());
     let mut claims = path.knots.iter().map(|knot| knot.claims.clearance);
     if claims.all(|claim| claim.is_none()) {
         return (wrong, unknown);
     }
-    let found = knot_clearances(path, (motion, sheet), measured, watch);
+    let found = knot_clearances(path, (motion, sheet), measured);
     for (knot, (data, found)) in path.knots.iter().zip(found).enumerate() {
         let Some(claimed) = data.claims.clearance else {
             continue;

@@ -52,8 +52,8 @@ pub(crate) fn clearances_until_over(
         worst: None,
     };
     let motion = MergedGroups::of(path);
-    let sheet = SearchedSheet::new(&path.pattern, motion.groups.memberships(), None);
-    let search = |effort| nearest((&motion, &sheet), measured, effort, watch);
+    let sheet = SearchedSheet::new(&path.pattern, motion.groups.memberships(), None, watch);
+    let search = |effort| nearest((&motion, &sheet), measured, effort);
     let (Some(mut whole), Some(mut at_knots)) = (
         search(&SearchEffort::PICTURE),
         search(&SearchEffort::PICTURE_SHAPE),
@@ -87,10 +87,9 @@ pub(super) fn knot_clearances(
     path: &Motion,
     (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
     measured: &[Measured],
-    watch: Watch<'_>,
 ) -> Vec<Option<f64>> {
     let effort = &SearchEffort::PICTURE_SHAPE;
-    let Some(mut sweep) = nearest((motion, sheet), measured, effort, watch) else {
+    let Some(mut sweep) = nearest((motion, sheet), measured, effort) else {
         return vec![None; path.knots.len()];
     };
     let knots = 0..path.knots.len();
@@ -107,7 +106,6 @@ fn nearest<'a>(
     (motion, sheet): (&MergedGroups, &'a SearchedSheet<'_>),
     measured: &[Measured],
     effort: &SearchEffort,
-    watch: Watch<'a>,
 ) -> Option<Sweep<'a>> {
     let most = |value: fn(&Measured) -> f64| measured.iter().map(value).fold(0.0, f64::max);
     let openness = Openness {
@@ -115,7 +113,7 @@ fn nearest<'a>(
         gap: most(|knot| knot.rigidity.gap),
     };
     let finite = motion.is_finite();
-    finite.then(|| sheet.nearest(effort, openness, watch))?
+    finite.then(|| sheet.nearest(effort, openness))?
 }
 
 fn worst(verdict: &SweepVerdict, time: impl Fn(Place) -> f64) -> Option<WorstPair> {

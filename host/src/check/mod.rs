@@ -261,7 +261,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
     verdict.failures.extend(errors);
     let mut motion = MergedGroups::of(path);
     let memberships = motion.groups.memberships();
-    let sheet = SearchedSheet::new(&path.pattern, memberships, options.contact);
+    let sheet = SearchedSheet::new(&path.pattern, memberships, options.contact, watch);
     verdict.contact_tolerance = sheet.contact;
     verdict.rates = Rates::of(path, &motion);
     verdict.max_bend = turns::largest_bend(&path.pattern, &motion);
@@ -288,12 +288,12 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         if options.sweep {
             watch.begin(Stage::Crossings);
             let motion = (&motion, &sheet);
-            between::check_crossings(path, tree, motion, options, watch, &mut verdict);
+            between::check_crossings(path, tree, motion, options, &mut verdict);
         }
         let crossing = between::first_crossing(path, &verdict);
         verdict.failures.extend(crossing);
         let motion = (&motion, &sheet);
-        let (wrong, unknown) = claims::judge_clearances(path, motion, &verdict.knots, watch);
+        let (wrong, unknown) = claims::judge_clearances(path, motion, &verdict.knots);
         verdict.failures.extend(wrong);
         verdict.undecided.extend(unknown);
         let bound = claims::false_bound(path, &verdict);

@@ -8,6 +8,7 @@
 //! | effort | lattice is tried | queries of pairs | largest sheet without a lattice |
 //! |---|---|---|---|
 //! | [`SearchEffort::PLAN`] | on every sheet | 10 million | any |
+//! | [`SearchEffort::PLAN_ALL`]: nothing is to be skipped | on every sheet | any number | any |
 //! | [`SearchEffort::CHECK`] | above 4,000 faces | 10 million | any |
 //! | [`SearchEffort::CHECK_FAILED`]: the path fails already | never | 200,000 | any |
 //! | [`SearchEffort::PICTURE`]: clearance of a motion | on sheets that are not torn | 1 million | 2,000 faces |
@@ -22,6 +23,15 @@ use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
 use crate::util::progress::Watch;
+
+/// Number of queries of pairs after which a motion nearer to the path is tried, if tears may hide contact.
+const MAX_HIDDEN_QUERIES: u64 = 200_000;
+/// Largest number of faces for which a torn sheet is swept without its lattice at once.
+const MAX_TORN_FACES: usize = 400;
+/// Ratio of the sum of all tears to the depth that counts as a crossing above which tears may hide contact.
+const HIDING_RATIO: f64 = 0.1;
+/// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
+const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
 /// Cost that a search may have: a row of the table above.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +52,11 @@ impl SearchEffort {
         torn_lattice: true,
         max_faces: usize::MAX,
         max_queries: 10_000_000,
+    };
+    /// `plan` by a user who switches a skip off, to look at everything.
+    pub(crate) const PLAN_ALL: Self = Self {
+        max_queries: u64::MAX,
+        ..Self::PLAN
     };
     pub(crate) const CHECK: Self = Self {
         lattice_above_faces: 4000,
@@ -83,6 +98,7 @@ pub(crate) struct SearchedSheet<'a> {
     pub(crate) contact: f64,
     /// The lattice, once requested.
     lattice: OnceCell<Option<Lattice>>,
+    watch: Watch<'a>,
 }
 
 impl<'a> SearchedSheet<'a> {
@@ -92,45 +108,94 @@ impl<'a> SearchedSheet<'a> {
         pattern: &'a CreasePattern,
         memberships: &'a [Membership],
         contact: Option<f64>,
+        watch: Watch<'a>,
     ) -> Self {
         Self {
             pattern,
             memberships,
             contact: contact.unwrap_or_else(|| contact_tolerance(pattern)),
             lattice: OnceCell::new(),
+            watch,
         }
     }
 
-    /// Searches a motion, given a curve for each group in each segment.
+    /// Searches a motion, given a curve for each group in each segment: by the lattice if this effort uses it and it
+    /// decides, and all faces otherwise.
     pub(crate) fn search(
         &self,
         segments: &[Vec<Curve<f64>>],
         effort: &SearchEffort,
         openness: Openness,
-        watch: Watch<'_>,
     ) -> Searched {
-        let motion = SearchedMotion {
-            pattern: self.pattern,
-            memberships: self.memberships,
-            segments,
-            options: self.options(effort, openness),
-            watch,
+        let options = self.options(effort, openness);
+        let lattice = self.lattice(effort, openness);
+        let along = lattice.and_then(|lattice| self.along_lattice(segments, options, lattice));
+        along.unwrap_or_else(|| self.all_faces(segments, options))
+    }
+
+    /// Searches a planned motion by a lattice that is lent, if it decides, and all faces otherwise. Leaves the motion for
+    /// one nearer to its path, which has more knots but tells more, if all faces of a large sheet that is torn would have
+    /// to be searched (`torn_goes_nearer`), or the tears hide contact (`hides_contact`) and a search with a small budget
+    /// does not decide.
+    pub(crate) fn search_planned(
+        &self,
+        segments: &[Vec<Curve<f64>>],
+        options: SweepOptions,
+        lattice: Option<&Lattice>,
+        torn_goes_nearer: bool,
+        hides_contact: impl FnOnce() -> bool,
+    ) -> Routed {
+        let along = lattice.and_then(|lattice| self.along_lattice(segments, options, lattice));
+        if let Some(along) = along {
+            return Routed::Searched(along);
+        }
+        let is_large = lattice.is_some() && self.pattern.faces().len() > MAX_TORN_FACES;
+        if is_large && torn_goes_nearer {
+            return Routed::TooFar(SweepCounts::default());
+        }
+        if !hides_contact() {
+            return Routed::Searched(self.all_faces(segments, options));
+        }
+        let few = options.with(|it| it.max_queries = it.max_queries.min(MAX_HIDDEN_QUERIES));
+        let first = self.all_faces(segments, few);
+        match first.verdict {
+            SweepVerdict::Undecided { .. } => Routed::TooFar(first.counts),
+            _ => Routed::Searched(first),
+        }
+    }
+
+    /// Returns `true` if layers may touch on a motion with these angles at its knots, and the sheet may be torn by more
+    /// than faces that touch may overlap: whether layers that move together pass through each other is then hard to tell.
+    pub(crate) fn tears_hide_contact(
+        &self,
+        closure: Option<f64>,
+        mut angles: impl Iterator<Item = f64>,
+    ) -> bool {
+        let tree = self.pattern.tree();
+        let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
+        let touches = angles.any(|angle| angle.abs() >= flat);
+        let holonomy = tree.holonomy(self.pattern).filter(|_| touches);
+        let (Some(holonomy), Some(closure)) = (holonomy, closure) else {
+            return false;
         };
-        motion.search(self.lattice(effort, openness))
+        let length = tree.reach(self.pattern);
+        let tears = holonomy.tears(closure).into_iter();
+        let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
+        sum > HIDING_RATIO * self.contact * self.pattern.median_edge()
     }
 
     /// Returns a search for the nearest faces on motions; `None` if it would take too long.
-    pub(crate) fn nearest<'s>(
-        &'s self,
-        effort: &SearchEffort,
-        openness: Openness,
-        watch: Watch<'s>,
-    ) -> Option<Sweep<'s>> {
+    pub(crate) fn nearest(&self, effort: &SearchEffort, openness: Openness) -> Option<Sweep<'_>> {
         let lattice = self.lattice(effort, openness);
         let affords = lattice.is_some() || self.pattern.faces().len() <= effort.max_faces;
         let options = self.options(effort, openness);
-        let sweep = || Sweep::new(self.pattern, self.memberships, options, lattice);
-        affords.then(|| sweep().watched(watch))
+        affords.then(|| self.sweep(options, lattice))
+    }
+
+    /// Returns `true` if a sheet with this gap, in median edges, may be torn by more than faces may lie across each other.
+    /// Such a sheet may cross elsewhere than its path does.
+    pub(crate) fn is_torn(&self, gap: f64) -> bool {
+        gap.is_nan() || gap > self.contact
     }
 
     fn options(&self, effort: &SearchEffort, openness: Openness) -> SweepOptions {
@@ -145,69 +210,30 @@ impl<'a> SearchedSheet<'a> {
     /// Returns the lattice, if this effort uses it.
     fn lattice(&self, effort: &SearchEffort, openness: Openness) -> Option<&Lattice> {
         let large = self.pattern.faces().len() > effort.lattice_above_faces;
-        let used = large && (effort.torn_lattice || !is_torn(openness.gap));
+        let used = large && (effort.torn_lattice || !self.is_torn(openness.gap));
         let find = || Lattice::find(self.pattern, self.memberships);
         used.then(|| self.lattice.get_or_init(find).as_ref())?
     }
-}
 
-/// Returns `true` if a sheet with this gap, in median edges, may be torn by more than faces may lie across each other.
-/// Such a sheet may cross elsewhere than its path does.
-pub(crate) fn is_torn(gap: f64) -> bool {
-    gap.is_nan() || gap > SweepOptions::default().contact
-}
-
-/// A motion to be searched for crossings.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SearchedMotion<'a> {
-    pub(crate) pattern: &'a CreasePattern,
-    /// Group and sign of each crease.
-    pub(crate) memberships: &'a [Membership],
-    /// For each segment the curve of each group.
-    pub(crate) segments: &'a [Vec<Curve<f64>>],
-    pub(crate) options: SweepOptions,
-    pub(crate) watch: Watch<'a>,
-}
-
-/// Result of a search over a motion.
-pub(crate) struct Searched {
-    pub(crate) verdict: SweepVerdict,
-    pub(crate) counts: SweepCounts,
-}
-
-impl SearchedMotion<'_> {
-    /// Returns the motion, to be searched with at most this number of queries of pairs.
-    pub(crate) fn with_queries(mut self, max_queries: u64) -> Self {
-        self.options.max_queries = max_queries.min(self.options.max_queries);
-        self
-    }
-
-    /// Searches by the lattice if there is one and it decides, and all faces otherwise.
-    fn search(&self, lattice: Option<&Lattice>) -> Searched {
-        let along = lattice.and_then(|lattice| self.along_lattice(lattice));
-        along.unwrap_or_else(|| self.all_faces())
-    }
-
-    /// Searches along the lattice. Returns `None` if faces may be far from where the lattice has them, or the lattice
+    /// Searches along a lattice. Returns `None` if faces may be far from where the lattice has them, or the lattice
     /// does not decide.
-    pub(crate) fn along_lattice(&self, lattice: &Lattice) -> Option<Searched> {
-        let deviation = lattice.lattice_deviation(self.pattern, self.options.closure);
+    fn along_lattice(
+        &self,
+        segments: &[Vec<Curve<f64>>],
+        mut options: SweepOptions,
+        lattice: &Lattice,
+    ) -> Option<Searched> {
+        let deviation = lattice.lattice_deviation(self.pattern, options.closure);
         if deviation.is_nan() || deviation >= SweepOptions::FAR_FROM_LATTICE_EDGES {
             return None;
         }
         // A deviation that counts as contact may be left out.
-        let torn = is_torn(deviation);
-        let options = if torn {
-            SweepOptions {
-                lattice_deviation: deviation,
-                lattice_turn: lattice.turn_deviation(self.pattern, self.options.closure),
-                ..self.options
-            }
-        } else {
-            self.options
-        };
-        let sweep = Sweep::new(self.pattern, self.memberships, options, Some(lattice));
-        let searched = self.run(sweep);
+        let torn = self.is_torn(deviation);
+        if torn {
+            options.lattice_deviation = deviation;
+            options.lattice_turn = lattice.turn_deviation(self.pattern, options.closure);
+        }
+        let searched = Searched::by(self.sweep(options, Some(lattice)), segments);
         let decided = match searched.verdict {
             SweepVerdict::Free(_) => true,
             // Too many cells may meet along the lattice, more than the pairs of faces that do meet.
@@ -218,16 +244,32 @@ impl SearchedMotion<'_> {
         decided.then_some(searched)
     }
 
-    /// Searches all faces.
-    pub(crate) fn all_faces(&self) -> Searched {
-        let sweep = Sweep::new(self.pattern, self.memberships, self.options, None);
-        self.run(sweep)
+    fn all_faces(&self, segments: &[Vec<Curve<f64>>], options: SweepOptions) -> Searched {
+        Searched::by(self.sweep(options, None), segments)
     }
 
-    fn run(&self, sweep: Sweep<'_>) -> Searched {
-        let mut sweep = sweep.watched(self.watch);
-        Searched {
-            verdict: sweep.sweep(self.segments),
+    fn sweep<'s>(&'s self, options: SweepOptions, lattice: Option<&'s Lattice>) -> Sweep<'s> {
+        Sweep::new(self.pattern, self.memberships, options, lattice).watched(self.watch)
+    }
+}
+
+/// Result of a search over a motion.
+pub(crate) struct Searched {
+    pub(crate) verdict: SweepVerdict,
+    pub(crate) counts: SweepCounts,
+}
+
+/// Answer of a search over a motion that may be placed nearer to its path.
+pub(crate) enum Routed {
+    Searched(Searched),
+    /// The nearer motion has to be searched instead. The counts are those of a search that did not decide.
+    TooFar(SweepCounts),
+}
+
+impl Searched {
+    fn by(mut sweep: Sweep<'_>, segments: &[Vec<Curve<f64>>]) -> Self {
+        Self {
+            verdict: sweep.sweep(segments),
             counts: sweep.counts(),
         }
     }

@@ -4,8 +4,8 @@
 use super::certified_motion::Lifting;
 use super::lifted::{Lifted, Recourse};
 use crate::collision::{
-    Clearance, Crossing, Place, SearchEffort, Searched, SearchedMotion, SweepCounts, SweepOptions,
-    SweepVerdict,
+    Clearance, Crossing, Place, Routed, SearchEffort, Searched, SearchedSheet, SweepCounts,
+    SweepOptions, SweepVerdict,
 };
 use crate::lattice::Lattice;
 use crate::motion::Knot;
@@ -13,6 +13,7 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::knots::KnotSequence;
 use crate::planner::options::Skips;
+use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{TimeoutAt, Undecided};
 use crate::progress::Stage;
 use crate::util::clock::Instant;
@@ -24,23 +25,14 @@ pub(crate) const FIRST_BOUND_FRACTION: f64 = 0.5;
 pub(crate) const LEAST_BOUND_FRACTION: f64 = 5e-5;
 /// The same, if layers touch and the sheet may be torn by more than layers may overlap.
 const NEAREST_BOUND_FRACTION: f64 = 5e-7;
-/// Number of queries of pairs after which a motion nearer to the path is tried, if tears may hide contact.
-const MAX_HIDDEN_QUERIES: u64 = 200_000;
 /// Distances that a path which ends before a crossing keeps from the configuration at which faces meet, radians, tried
 /// one after the other: the motion of the shorter path differs by as much as the bound allows.
 const ROOMS_RAD: [f64; 2] = [1e-3, 1e-2];
 /// Distances that a path keeps which only has to end near its goal, radians.
 const WIDE_ROOMS_RAD: [f64; 4] = [1e-3, 1e-2, 3e-2, 1e-1];
-/// Largest number of faces for which a torn sheet is swept without its lattice at once. For more, a motion nearer to
-/// the path is tried first, although it has more knots.
-const MAX_TORN_FACES: usize = 400;
 /// Depth of a crossing at a waypoint, in median edges, above which motions near the waypoint cross too: many times the
 /// distance of a motion from its path.
 const BLOCKING_DEPTH: f64 = 0.01;
-/// Ratio of the sum of all tears to the depth that counts as a crossing above which tears may hide contact.
-const HIDING_RATIO: f64 = 0.1;
-/// Difference of a fold angle from half a turn up to which the faces at a crease may be layers that touch, radians.
-const NEARLY_FOLDED_RAD: f64 = 1e-3;
 
 /// Answer of the search for crossings on a motion.
 pub(crate) enum Swept {
@@ -75,20 +67,19 @@ pub(crate) struct Crossed {
 /// Returns the options of the search for crossings of a sheet whose closure residuals are proved to be at most `closure`
 /// all along the motion. Overlaps of up to `contact` median edges are contact.
 fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) -> SweepOptions {
-    let usual = SweepOptions::default();
+    let effort = if skips == Skips::default() {
+        SearchEffort::PLAN
+    } else {
+        SearchEffort::PLAN_ALL
+    };
     SweepOptions {
         closure: closure.unwrap_or(f64::INFINITY),
         contact,
-        // There is no limit for a user who switches a skip off, to look at everything.
-        max_queries: if skips == Skips::default() {
-            SearchEffort::PLAN.max_queries
-        } else {
-            u64::MAX
-        },
+        max_queries: effort.max_queries,
         skip_motion: skips.motion,
         skip_bounds: skips.bounds,
         skip_edges: skips.edges,
-        ..usual
+        ..SweepOptions::default()
     }
 }
 
@@ -130,28 +121,20 @@ impl<'a> Lifting<'a> {
     fn sweep_with(&self, lifted: &Lifted, lattice: Option<&Lattice>) -> (Swept, SweepCounts) {
         let (problem, options) = (self.problem, self.problem.options);
         let segments: Vec<_> = lifted.knots.curves().collect();
-        let motion = SearchedMotion {
-            pattern: problem.pattern,
-            memberships: self.reduction.groups.memberships(),
-            segments: &segments,
-            options: sweep_options(options.skips, lifted.certified_closure(), problem.contact),
-            watch: problem.watch,
+        let closure = lifted.certified_closure();
+        let sheet = self.sheet();
+        let torn = sheet.is_torn(lifted.tear());
+        let torn_goes_nearer = torn && lifted.goes_nearer(LEAST_BOUND_FRACTION);
+        let angles = lifted.knots.knots.iter().flat_map(|knot| &knot.angles);
+        let hides_contact = || {
+            lifted.goes_nearer(NEAREST_BOUND_FRACTION)
+                && sheet.tears_hide_contact(closure, angles.copied())
         };
-        if let Some(along) = lattice.and_then(|lattice| motion.along_lattice(lattice)) {
-            return self.answer(lifted, along);
+        let options = sweep_options(options.skips, closure, problem.contact);
+        match sheet.search_planned(&segments, options, lattice, torn_goes_nearer, hides_contact) {
+            Routed::Searched(searched) => self.answer(lifted, searched),
+            Routed::TooFar(counts) => (Swept::TooFar(None), counts),
         }
-        let is_large = lattice.is_some() && problem.pattern.faces().len() > MAX_TORN_FACES;
-        if is_large && lifted.is_torn() && lifted.goes_nearer(LEAST_BOUND_FRACTION) {
-            return (Swept::TooFar(None), SweepCounts::default());
-        }
-        if !(lifted.goes_nearer(NEAREST_BOUND_FRACTION) && self.tears_hide_contact(lifted)) {
-            return self.answer(lifted, motion.all_faces());
-        }
-        let first = motion.with_queries(MAX_HIDDEN_QUERIES).all_faces();
-        if matches!(first.verdict, SweepVerdict::Undecided { .. }) {
-            return (Swept::TooFar(None), first.counts);
-        }
-        self.answer(lifted, first)
     }
 
     /// Returns what the result of a search says of the motion.
@@ -209,6 +192,18 @@ impl<'a> Lifting<'a> {
         }
     }
 
+    /// Returns the sheet, to be searched for crossings.
+    pub(crate) fn sheet(&self) -> SearchedSheet<'a> {
+        let PlanningProblem {
+            pattern,
+            contact,
+            watch,
+            ..
+        } = *self.problem;
+        let memberships = self.reduction.groups.memberships();
+        SearchedSheet::new(pattern, memberships, Some(contact), watch)
+    }
+
     /// Returns the lattice along which to look for crossings, if there is one and it may be used.
     fn lattice(&self) -> Option<&'a Lattice> {
         let used = self.problem.options.skips.symmetry;
@@ -216,26 +211,9 @@ impl<'a> Lifting<'a> {
             .flatten()
     }
 
-    /// Returns `true` if layers may touch on the motion, and the sheet may be torn by more than faces that touch may overlap:
-    /// whether layers that move together pass through each other is then hard to tell.
-    fn tears_hide_contact(&self, lifted: &Lifted) -> bool {
-        let (pattern, tree) = (self.problem.pattern, self.reduction.tree);
-        let flat = core::f64::consts::PI - NEARLY_FOLDED_RAD;
-        let angles = lifted.knots.knots.iter().flat_map(|knot| &knot.angles);
-        let touches = angles.copied().any(|angle| angle.abs() >= flat);
-        let holonomy = tree.holonomy(pattern).filter(|_| touches);
-        let (Some(holonomy), Some(closure)) = (holonomy, lifted.certified_closure()) else {
-            return false;
-        };
-        let length = tree.reach(pattern);
-        let tears = holonomy.tears(closure).into_iter();
-        let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
-        sum > HIDING_RATIO * SweepOptions::default().contact * pattern.median_edge()
-    }
-
     /// Returns the crossing at the first knot at which faces of a torn sheet cross: a second look, at whole shapes.
     fn crossed_knot(&self, lifted: &Lifted) -> Option<Crossed> {
-        if !lifted.is_torn() {
+        if !self.sheet().is_torn(lifted.tear()) {
             return None;
         }
         let mut judge = Judge::new(self.problem, self.reduction, false);
