@@ -20,6 +20,7 @@ use foldpath_core::{Curve, Membership};
 
 use super::pieces::contact_tolerance;
 use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
+use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
 use crate::util::progress::Watch;
@@ -227,8 +228,9 @@ impl<'a> SearchedSheet<'a> {
         if deviation.is_nan() || deviation >= SweepOptions::FAR_FROM_LATTICE_EDGES {
             return None;
         }
-        // A deviation that counts as contact may be left out.
-        let torn = self.is_torn(deviation);
+        // A deviation may be left out that is no deeper than exact sheets overlap in contact, whatever is contact here: it
+        // adds to that.
+        let torn = deviation > CROSSING_DEPTH_EDGES;
         if torn {
             options.lattice_deviation = deviation;
             options.lattice_turn = lattice.turn_deviation(self.pattern, options.closure);
