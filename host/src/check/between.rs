@@ -8,7 +8,7 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict, is_torn,
+    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Motion;
@@ -122,7 +122,7 @@ pub(super) fn check_crossings(
     match searched.verdict {
         SweepVerdict::Free(clearance) => {
             // The knots of a torn sheet are looked at once more, each as a whole.
-            if is_torn(gap) {
+            if sheet.is_torn(gap) {
                 let crossing = crossed_knot(path, tree, verdict);
                 verdict.crossings.extend(crossing);
             }

@@ -21,7 +21,7 @@ pub use narrow::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use narrow::separation::distance;
 pub(crate) use narrow::separation::face_distance;
 pub use pieces::contact_tolerance;
-pub(crate) use routes::{Openness, Routed, SearchEffort, Searched, SearchedSheet, is_torn};
+pub(crate) use routes::{Openness, Routed, SearchEffort, Searched, SearchedSheet};
 pub use scene::{CollisionScene, Crossing};
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 pub use tolerances::CONTACT_EDGES;

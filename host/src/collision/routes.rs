@@ -181,7 +181,7 @@ impl<'a> SearchedSheet<'a> {
         let length = tree.reach(self.pattern);
         let tears = holonomy.tears(closure).into_iter();
         let sum: f64 = tears.map(|tear| tear.shift + tear.turn * length).sum();
-        sum > HIDING_RATIO * SweepOptions::default().contact * self.pattern.median_edge()
+        sum > HIDING_RATIO * self.contact * self.pattern.median_edge()
     }
 
     /// Returns a search for the nearest faces on motions; `None` if it would take too long.
@@ -190,6 +190,12 @@ impl<'a> SearchedSheet<'a> {
         let affords = lattice.is_some() || self.pattern.faces().len() <= effort.max_faces;
         let options = self.options(effort, openness);
         affords.then(|| self.sweep(options, lattice))
+    }
+
+    /// Returns `true` if a sheet with this gap, in median edges, may be torn by more than faces may lie across each other.
+    /// Such a sheet may cross elsewhere than its path does.
+    pub(crate) fn is_torn(&self, gap: f64) -> bool {
+        gap.is_nan() || gap > self.contact
     }
 
     fn options(&self, effort: &SearchEffort, openness: Openness) -> SweepOptions {
@@ -204,7 +210,7 @@ impl<'a> SearchedSheet<'a> {
     /// Returns the lattice, if this effort uses it.
     fn lattice(&self, effort: &SearchEffort, openness: Openness) -> Option<&Lattice> {
         let large = self.pattern.faces().len() > effort.lattice_above_faces;
-        let used = large && (effort.torn_lattice || !is_torn(openness.gap));
+        let used = large && (effort.torn_lattice || !self.is_torn(openness.gap));
         let find = || Lattice::find(self.pattern, self.memberships);
         used.then(|| self.lattice.get_or_init(find).as_ref())?
     }
@@ -222,7 +228,7 @@ impl<'a> SearchedSheet<'a> {
             return None;
         }
         // A deviation that counts as contact may be left out.
-        let torn = is_torn(deviation);
+        let torn = self.is_torn(deviation);
         if torn {
             options.lattice_deviation = deviation;
             options.lattice_turn = lattice.turn_deviation(self.pattern, options.closure);
@@ -245,12 +251,6 @@ impl<'a> SearchedSheet<'a> {
     fn sweep<'s>(&'s self, options: SweepOptions, lattice: Option<&'s Lattice>) -> Sweep<'s> {
         Sweep::new(self.pattern, self.memberships, options, lattice).watched(self.watch)
     }
-}
-
-/// Returns `true` if a sheet with this gap, in median edges, may be torn by more than faces may lie across each other.
-/// Such a sheet may cross elsewhere than its path does.
-pub(crate) fn is_torn(gap: f64) -> bool {
-    gap.is_nan() || gap > SweepOptions::default().contact
 }
 
 /// Result of a search over a motion.

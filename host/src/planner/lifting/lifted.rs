@@ -2,7 +2,7 @@
 
 use foldpath_core::Interpolation;
 
-use crate::collision::{Crossing, is_torn};
+use crate::collision::Crossing;
 use crate::motion::Knot;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::knots::KnotSequence;
@@ -98,10 +98,10 @@ impl Lifted {
         matches!(self.recourse, Recourse::GoNearer(fraction) if fraction > least)
     }
 
-    /// Returns `true` if the sheet may be torn by more than faces may lie across each other.
-    pub(crate) fn is_torn(&self) -> bool {
+    /// Returns how far the sheet may be torn, in median edges: the deformation that is proved or the gap that was measured.
+    pub(crate) fn tear(&self) -> f64 {
         let certified = self.certificate.map_or(0.0, |c| c.deformation);
-        is_torn(certified.max(self.errors.rigidity.gap))
+        certified.max(self.errors.rigidity.gap)
     }
 
     /// Returns the bound on the closure residuals over the whole motion, if it is known.

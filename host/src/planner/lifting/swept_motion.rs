@@ -13,6 +13,7 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::CLOSED;
 use crate::planner::knots::KnotSequence;
 use crate::planner::options::Skips;
+use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{TimeoutAt, Undecided};
 use crate::progress::Stage;
 use crate::util::clock::Instant;
@@ -121,13 +122,9 @@ impl<'a> Lifting<'a> {
         let (problem, options) = (self.problem, self.problem.options);
         let segments: Vec<_> = lifted.knots.curves().collect();
         let closure = lifted.certified_closure();
-        let sheet = SearchedSheet::new(
-            problem.pattern,
-            self.reduction.groups.memberships(),
-            Some(problem.contact),
-            problem.watch,
-        );
-        let torn_goes_nearer = lifted.is_torn() && lifted.goes_nearer(LEAST_BOUND_FRACTION);
+        let sheet = self.sheet();
+        let torn = sheet.is_torn(lifted.tear());
+        let torn_goes_nearer = torn && lifted.goes_nearer(LEAST_BOUND_FRACTION);
         let angles = lifted.knots.knots.iter().flat_map(|knot| &knot.angles);
         let hides_contact = || {
             lifted.goes_nearer(NEAREST_BOUND_FRACTION)
@@ -195,6 +192,18 @@ impl<'a> Lifting<'a> {
         }
     }
 
+    /// Returns the sheet, to be searched for crossings.
+    pub(crate) fn sheet(&self) -> SearchedSheet<'a> {
+        let PlanningProblem {
+            pattern,
+            contact,
+            watch,
+            ..
+        } = *self.problem;
+        let memberships = self.reduction.groups.memberships();
+        SearchedSheet::new(pattern, memberships, Some(contact), watch)
+    }
+
     /// Returns the lattice along which to look for crossings, if there is one and it may be used.
     fn lattice(&self) -> Option<&'a Lattice> {
         let used = self.problem.options.skips.symmetry;
@@ -204,7 +213,7 @@ impl<'a> Lifting<'a> {
 
     /// Returns the crossing at the first knot at which faces of a torn sheet cross: a second look, at whole shapes.
     fn crossed_knot(&self, lifted: &Lifted) -> Option<Crossed> {
-        if !lifted.is_torn() {
+        if !self.sheet().is_torn(lifted.tear()) {
             return None;
         }
         let mut judge = Judge::new(self.problem, self.reduction, false);

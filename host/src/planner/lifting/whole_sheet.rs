@@ -59,7 +59,7 @@ impl Lifting<'_> {
             // where.
             let decides = match found.outcome {
                 Outcome::Planned => true,
-                Outcome::Crossing(_) => crossing.is_none() || lifted.is_torn(),
+                Outcome::Crossing(_) => crossing.is_none() || self.sheet().is_torn(lifted.tear()),
                 _ => false,
             };
             if decides {

@@ -181,7 +181,7 @@ impl<'a> LatticePairs<'a> {
         if best == f64::INFINITY {
             self.far = 2.0 * self.far + self.median_edge / 2.0;
         }
-        let near = self.deviation + now.contact.base().max(self.far.min(best));
+        let near = self.deviation + now.contact.largest().max(self.far.min(best));
         let skips = now.options.skip_bounds && now.options.skip_motion;
         let near = if skips { near } else { f64::INFINITY };
         let Some(woken) = self.wake(motion, time, near) else {
@@ -206,7 +206,7 @@ impl<'a> LatticePairs<'a> {
     fn query_cells(&mut self, offset: u32, now: &Now<'_>) -> Answer {
         let (motion, time, best) = (now.motion, now.time, now.found.best());
         let (bounds, deviation) = (now.options.skip_bounds, self.deviation);
-        let touching = now.contact.base();
+        let touching = now.contact.largest();
         self.cells.fold(motion, time);
         let cell = self.offsets[offset as usize].cell;
         let apart = self.cells.gap(cell);
