@@ -327,6 +327,27 @@ mod tests {
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
     }
 
+    /// Returns a Miura or a waterbomb.
+    fn sheet(is_miura: bool) -> CreasePattern {
+        let miura = Miura {
+            rows: 4,
+            columns: 5,
+            sector_angle: 1.0,
+            fold: 0.5,
+        };
+        let waterbomb = Waterbomb {
+            rows: 2,
+            columns: 4,
+            fold: 0.5,
+        };
+        let drawing = if is_miura {
+            miura.drawing()
+        } else {
+            waterbomb.drawing()
+        };
+        CreasePattern::new(drawing.unwrap()).unwrap()
+    }
+
     /// Returns a motion of three segments, the one in the middle in half angles.
     fn noisy(groups: usize, mut noise: impl FnMut() -> f64) -> Vec<Vec<Curve<f64>>> {
         let mut start: Vec<f64> = (0..groups).map(|_| 0.3 * noise()).collect();
@@ -357,21 +378,9 @@ mod tests {
     fn pieces_deviate_no_farther_and_stay_as_far_apart_as_is_said() {
         let mut random = Pcg64::new(7, 1);
         let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
-        let miura = Miura {
-            rows: 4,
-            columns: 5,
-            sector_angle: 1.0,
-            fold: 0.5,
-        };
-        let waterbomb = Waterbomb {
-            rows: 2,
-            columns: 4,
-            fold: 0.5,
-        };
         let (mut parted, mut deviated) = (0, 0.0_f64);
         for round in 0..12 {
-            let drawing = [miura.drawing(), waterbomb.drawing()][round % 2].clone();
-            let pattern = CreasePattern::new(drawing.unwrap()).unwrap();
+            let pattern = sheet(round % 2 == 0);
             let groups = CreaseGroups::trivial(&pattern);
             let tree = pattern.tree();
             let segments = noisy(groups.len(), &mut noise);
