@@ -1,4 +1,4 @@
-//! What surrounds a simulated controller: a line and hinges with faults on the host, and the hinges of the emulated board.
+//! Surroundings of a simulated controller: a line and hinges with faults on the host, and the hinges of the emulated board.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]

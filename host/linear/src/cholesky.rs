@@ -58,7 +58,7 @@ struct Interrupt<'a> {
     operations: usize,
 }
 
-/// What a branch adds to the rows beyond it.
+/// The terms that a branch adds to the rows beyond it.
 struct Update<'u> {
     /// The rows beyond the branch that its last column has entries in.
     rows: &'u [u32],

@@ -36,7 +36,7 @@ pub(super) struct PlacedPieces<'a> {
     pattern: &'a CreasePattern,
     pub(super) pieces: Pieces,
     pub(super) hierarchy: Hierarchy,
-    /// Where faces are, and which pairs of them have to be looked at.
+    /// Tells where faces are, and which pairs of them have to be looked at.
     pub(super) source: Box<dyn PairSource + 'a>,
     /// `true` if faces are cut when they are first requested. There are no clusters then.
     cuts_on_request: bool,

@@ -80,7 +80,7 @@ impl SearchEffort {
     };
 }
 
-/// How far a sheet is from closing on a motion.
+/// The distance of a sheet from closing on a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Openness {
     /// Bound on the closure residuals of all vertices and holes.

@@ -21,7 +21,7 @@ pub(crate) struct Hinge {
     pub(crate) axis: Vector2<f64>,
 }
 
-/// How the rotation of a face is multiplied with that about a crease. All products are equal, but for rounding.
+/// Formula for the product of a face's rotation and that about a crease. All formulas are equal, but for rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Product {
     /// Without the terms that are 0, and renormalised: lengths stay 1 along any number of faces.

@@ -1,4 +1,4 @@
-//! How far a configuration is from folding the sheet rigidly, in three figures.
+//! The deviation of a configuration from folding the sheet rigidly, in three figures.
 
 use crate::util::nan_max::larger;
 

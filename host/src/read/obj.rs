@@ -98,7 +98,7 @@ pub(super) fn parse_pattern(
     })
 }
 
-/// What a line should be by its keyword, and what it is.
+/// A problem of a line: the kind that its keyword announces, and the words that stand there.
 type Wrong = (String, String);
 
 fn wrong(expected: &str, found: &str) -> Wrong {

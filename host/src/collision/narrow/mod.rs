@@ -1,5 +1,5 @@
-//! Narrow phase: two convex pieces in space. How deep they cross, how far they are apart, which of two stacked pieces lies
-//! on top, and how long two pieces in contact stay on two sides of a plane.
+//! Narrow phase: measures two convex pieces in space. It finds the depth of their crossing or their distance, which of two
+//! stacked pieces lies on top, and for how long two pieces in contact stay on two sides of a plane.
 
 pub(super) mod crossing;
 pub(super) mod layers;

@@ -29,7 +29,7 @@ pub(super) enum Batch {
     Cells(u32),
 }
 
-/// What a source of pairs may use when a batch is due.
+/// The state of the search that a source of pairs may use when a batch is due.
 pub(super) struct Now<'s> {
     pub(super) motion: &'s Motion,
     pub(super) time: Tick,
