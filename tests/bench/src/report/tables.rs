@@ -245,7 +245,10 @@ fn errors(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         } else {
             " | | | ".into()
         };
-        let certified = plan.certified_deformation().map(percent).unwrap_or_default();
+        let certified = plan
+            .certified_deformation()
+            .map(percent)
+            .unwrap_or_default();
         writeln!(out, "{} {theirs} | {ours} | {certified} |", row.sheet())?;
     }
     writeln!(out)
