@@ -40,7 +40,7 @@ pub struct CheckOptions {
     /// Bound on deformation and gap, a fraction.
     pub bound: f64,
     /// Depth up to which an overlap of faces is contact, in median edges; `None` for what the coordinates' precision
-    /// explains: [`contact_tolerance`].
+    /// explains: [`contact_tolerance`](crate::collision::contact_tolerance).
     pub contact: Option<f64>,
     /// Largest angle by which a panel may bend about a diagonal, radians.
     pub bend: f64,
