@@ -44,7 +44,7 @@ pub(crate) struct SearchEffort {
     /// Largest number of faces that are searched without a lattice.
     max_faces: usize,
     /// Number of queries of pairs after which the search ends undecided.
-    pub(crate) max_queries: u64,
+    max_queries: u64,
 }
 
 impl SearchEffort {
@@ -128,7 +128,7 @@ impl<'a> SearchedSheet<'a> {
         effort: &SearchEffort,
         openness: Openness,
     ) -> Searched {
-        let options = self.options(effort, openness);
+        let options = self.options(effort, openness.closure);
         let lattice = self.lattice(effort, openness);
         let along = lattice.and_then(|lattice| self.along_lattice(segments, options, lattice));
         along.unwrap_or_else(|| self.all_faces(segments, options))
@@ -189,7 +189,7 @@ impl<'a> SearchedSheet<'a> {
     pub(crate) fn nearest(&self, effort: &SearchEffort, openness: Openness) -> Option<Sweep<'_>> {
         let lattice = self.lattice(effort, openness);
         let affords = lattice.is_some() || self.pattern.faces().len() <= effort.max_faces;
-        let options = self.options(effort, openness);
+        let options = self.options(effort, openness.closure);
         affords.then(|| self.sweep(options, lattice))
     }
 
@@ -199,9 +199,10 @@ impl<'a> SearchedSheet<'a> {
         gap.is_nan() || gap > self.contact
     }
 
-    fn options(&self, effort: &SearchEffort, openness: Openness) -> SweepOptions {
+    /// Returns the options of a search of this cost on a motion whose closure residuals are at most `closure`.
+    pub(crate) fn options(&self, effort: &SearchEffort, closure: f64) -> SweepOptions {
         SweepOptions {
-            closure: openness.closure,
+            closure,
             contact: self.contact,
             max_queries: effort.max_queries,
             ..SweepOptions::default()

@@ -5,7 +5,7 @@ use super::certified_motion::Lifting;
 use super::lifted::{Lifted, Recourse};
 use crate::collision::{
     Clearance, Crossing, Place, Routed, SearchEffort, Searched, SearchedSheet, SweepCounts,
-    SweepOptions, SweepVerdict,
+    SweepVerdict,
 };
 use crate::lattice::Lattice;
 use crate::motion::Knot;
@@ -64,25 +64,6 @@ pub(crate) struct Crossed {
     pub(crate) is_at_knot: bool,
 }
 
-/// Returns the options of the search for crossings of a sheet whose closure residuals are proved to be at most `closure`
-/// all along the motion. Overlaps of up to `contact` median edges are contact.
-fn sweep_options(skips: Skips, closure: Option<f64>, contact: f64) -> SweepOptions {
-    let effort = if skips == Skips::default() {
-        SearchEffort::PLAN
-    } else {
-        SearchEffort::PLAN_ALL
-    };
-    SweepOptions {
-        closure: closure.unwrap_or(f64::INFINITY),
-        contact,
-        max_queries: effort.max_queries,
-        skip_motion: skips.motion,
-        skip_bounds: skips.bounds,
-        skip_edges: skips.edges,
-        ..SweepOptions::default()
-    }
-}
-
 /// Returns the group angles at a place of a motion or, if `room` (radians) is above 0, as much before it as the fastest
 /// hinge turns by `room`, at most to the start of the segment.
 fn angles_before(knots: &KnotSequence, place: Place, room: f64) -> Vec<f64> {
@@ -119,7 +100,7 @@ impl<'a> Lifting<'a> {
     }
 
     fn sweep_with(&self, lifted: &Lifted, lattice: Option<&Lattice>) -> (Swept, SweepCounts) {
-        let (problem, options) = (self.problem, self.problem.options);
+        let skips = self.problem.options.skips;
         let segments: Vec<_> = lifted.knots.curves().collect();
         let closure = lifted.certified_closure();
         let sheet = self.sheet();
@@ -130,23 +111,35 @@ impl<'a> Lifting<'a> {
             lifted.goes_nearer(NEAREST_BOUND_FRACTION)
                 && sheet.tears_hide_contact(closure, angles.copied())
         };
-        let options = sweep_options(options.skips, closure, problem.contact);
+        let effort = if skips == Skips::default() {
+            &SearchEffort::PLAN
+        } else {
+            &SearchEffort::PLAN_ALL
+        };
+        let options = sheet.options(effort, closure.unwrap_or(f64::INFINITY));
+        let options = options.with(|it| {
+            it.skip_motion = skips.motion;
+            it.skip_bounds = skips.bounds;
+            it.skip_edges = skips.edges;
+        });
         match sheet.search_planned(&segments, options, lattice, torn_goes_nearer, hides_contact) {
-            Routed::Searched(searched) => self.answer(lifted, searched),
+            Routed::Searched(searched) => self.answer(lifted, searched, torn),
             Routed::TooFar(counts) => (Swept::TooFar(None), counts),
         }
     }
 
-    /// Returns what the result of a search says of the motion.
-    fn answer(&self, lifted: &Lifted, searched: Searched) -> (Swept, SweepCounts) {
+    /// Returns what the result of a search says of the motion. A torn sheet is looked at once more at its knots.
+    fn answer(&self, lifted: &Lifted, searched: Searched, torn: bool) -> (Swept, SweepCounts) {
         let swept = match searched.verdict {
-            SweepVerdict::Free(clearance) => match self.crossed_knot(lifted) {
-                None => Swept::Free(clearance),
-                Some(crossed) if lifted.goes_nearer(LEAST_BOUND_FRACTION) => {
-                    Swept::TooFar(Some(crossed))
+            SweepVerdict::Free(clearance) => {
+                match torn.then(|| self.crossed_knot(lifted)).flatten() {
+                    None => Swept::Free(clearance),
+                    Some(crossed) if lifted.goes_nearer(LEAST_BOUND_FRACTION) => {
+                        Swept::TooFar(Some(crossed))
+                    }
+                    Some(crossed) => Swept::Crosses(crossed),
                 }
-                Some(crossed) => Swept::Crosses(crossed),
-            },
+            }
             SweepVerdict::Undecided { .. } if self.problem.is_late() => {
                 Swept::Late(TimeoutAt::LookingForCrossings)
             }
@@ -211,11 +204,8 @@ impl<'a> Lifting<'a> {
             .flatten()
     }
 
-    /// Returns the crossing at the first knot at which faces of a torn sheet cross: a second look, at whole shapes.
+    /// Returns the crossing at the first knot at which faces cross: a second look, at whole shapes.
     fn crossed_knot(&self, lifted: &Lifted) -> Option<Crossed> {
-        if !self.sheet().is_torn(lifted.tear()) {
-            return None;
-        }
         let mut judge = Judge::new(self.problem, self.reduction, false);
         let alike = lifted.errors.closure <= CLOSED;
         let (index, crossing) = judge.first_crossing(&lifted.knots.knots, alike)?;
