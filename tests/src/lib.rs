@@ -15,6 +15,7 @@
 mod animation;
 pub mod campaign;
 mod crossing;
+pub mod exact;
 pub mod fold_spec;
 mod folding;
 mod hand_made;

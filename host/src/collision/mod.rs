@@ -1,11 +1,26 @@
 //! Answers whether faces pass through each other, at one configuration or anywhere on a motion.
 //!
-//! This is the only module that names parry3d. Faces are cut into convex pieces. Two pieces joined by an edge
-//! need no test: they cannot cross while the fold angle between them is within half a turn. A
-//! [`CollisionScene`] judges one configuration: the broad phase, a bounding volume hierarchy, finds the pairs
+//! This is the only module that names parry3d. Faces are cut into convex pieces. A [`CollisionScene`] judges one configuration: the broad phase, a bounding volume hierarchy, finds the pairs
 //! of pieces whose boxes overlap, and the narrow phase, [`crossing_depth`], judges each of these pairs. A
 //! [`Sweep`] judges a whole motion by conservative advancement. `routes.rs` decides for all callers whether the
 //! lattice of a tessellation stands in for its faces, and what a search may cost.
+//!
+//! No pair is left out without a bound. A pair of pieces needs no query, for a while or for good, in these places:
+//!
+//! | place | pairs | what keeps them from crossing |
+//! |---|---|---|
+//! | `Pieces::comparable`, `Sweep::classify` | of one face | they move as one |
+//! | `Pieces::comparable`, `Hierarchy::roots` | of different sheets | nothing: where sheets lie is not modelled |
+//! | `Sweep::classify_side` | joined at a side | the tear moves no point of the smaller piece farther than contact; they turn about the side, by half a turn at most (`Sweep::overturned`) |
+//! | `Sweep::open_until` | joined at a side that is torn by more | the angle between them is so large that the tear cannot move one into the other (`sides.rs`) |
+//! | `Side::may_cross` | joined at a side, at one configuration | the measured tear moves no point of the smaller piece farther than contact |
+//! | `Sweep::after` | any | the variation of the angles between them times levers, and twice the tears, are within their distance or angle |
+//! | `Sweep::query_clusters` | of two clusters | the same for the spheres round the clusters |
+//! | `SheetPairs::query` | that share no point of the flat sheet | a plane parts them over the interval, by second-order bounds |
+//! | `ComovingNow::until` | at rest relative to each other | the bound on their relative motion is within contact |
+//! | `LatticePairs` | that a pair of the lattice stands for | they move alike, up to the deviation of the lattice |
+//! | `Sweep::at_contact` | in contact | a plane stays between them, by second-order bounds |
+//! | the boxes of `CollisionScene` | any, at one configuration | their boxes do not overlap |
 
 mod hierarchy;
 mod narrow;
@@ -14,6 +29,7 @@ mod pieces;
 mod placed_pieces;
 mod routes;
 mod scene;
+mod sides;
 mod sweep;
 mod tolerances;
 

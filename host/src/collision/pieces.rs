@@ -5,6 +5,7 @@ use core::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 use super::narrow::crossing::{ConvexPiece, depth_within, side_crossing_depth};
+use super::sides::Side;
 use super::tolerances::{
     CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
     MAX_ROUNDING_RATIO,
@@ -245,17 +246,29 @@ impl Pieces {
         in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2).sum()
     }
 
-    /// Returns the number of pairs of pieces that share a side. All pieces have to be cut and joined.
-    pub(super) fn joined_pairs(&self) -> u64 {
+    /// Returns the pairs of pieces that share a side, each once. All pieces have to be cut and joined.
+    pub(super) fn joined_pairs(&self) -> Vec<[u32; 2]> {
         // Two faces may share several collinear sides.
-        let mut joined: Vec<(u32, u32)> = (0..)
+        let mut joined: Vec<[u32; 2]> = (0..)
             .take(self.list.len())
-            .flat_map(|a| self.joints(a).iter().map(move |joint| (a, joint.piece)))
-            .filter(|(a, b)| a < b)
+            .flat_map(|a| self.joints(a).iter().map(move |joint| [a, joint.piece]))
+            .filter(|[a, b]| a < b)
             .collect();
         joined.sort_unstable();
         joined.dedup();
-        joined.len() as u64
+        joined
+    }
+
+    /// Returns the sides that pieces of different faces share, each with the two pieces. All pieces have to be cut and
+    /// joined.
+    pub(super) fn sides(&self) -> Vec<([u32; 2], Side)> {
+        let joined = self.joined_pairs().into_iter();
+        let between = joined.filter(|&[a, b]| self.comparable(a, b).is_some());
+        let sides = between.filter_map(|pair| {
+            let side = Side::of(self, pair, &self.shared(pair[0], pair[1]))?;
+            Some((pair, side))
+        });
+        sides.collect()
     }
 
     /// Returns `true` if the pieces share a side.

@@ -7,6 +7,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{Contact, Pieces, Placed};
+use super::sides::Side;
 use super::sweep::SweepCounts;
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
@@ -41,6 +42,8 @@ impl Crossing {
 #[derive(Clone)]
 pub struct CollisionScene {
     pieces: Pieces,
+    /// The pairs of pieces of different faces that share a side.
+    sides: Vec<([u32; 2], Side)>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
     /// Number of pairs of pieces of the same sheet that share no side.
@@ -63,7 +66,8 @@ impl CollisionScene {
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
             counts: SweepCounts::default(),
-            pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs(),
+            pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs().len() as u64,
+            sides: pieces.sides(),
             pieces,
         }
     }
@@ -77,7 +81,6 @@ impl CollisionScene {
     pub fn deepest_crossing(&mut self, map: &FoldingMap, contact: f64) -> Option<Crossing> {
         self.place(map);
         let mut deepest: Option<Crossing> = None;
-        let mut tested = 0;
         let contact = Contact::new(self.median_edge, contact);
         let pieces = &self.pieces;
         let placed = Placed {
@@ -85,11 +88,7 @@ impl CollisionScene {
             folded: &self.folded,
             normals: &self.normals,
         };
-        let judge = &mut |a: u32, b: u32| {
-            let Some(faces) = pieces.comparable(a, b).filter(|_| !pieces.joined(a, b)) else {
-                return;
-            };
-            tested += 1;
+        let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
             let depth = placed.depth(a, b, contact.depth(pieces, [a, b]));
             if depth <= 0.0 || depth <= contact.of(pieces, [a, b]) + placed.torn([a, b]) {
                 return;
@@ -97,6 +96,20 @@ impl CollisionScene {
             let crossing = Crossing::new(faces, depth);
             if deepest.is_none_or(|deepest| crossing.exceeds(&deepest)) {
                 deepest = Some(crossing);
+            }
+        };
+        for (pair, side) in &self.sides {
+            if side.may_cross(&placed, contact.depth(pieces, *pair))
+                && let Some(faces) = pieces.comparable(pair[0], pair[1])
+            {
+                judge(faces, *pair);
+            }
+        }
+        let mut tested = 0;
+        let judge = &mut |a: u32, b: u32| {
+            if let Some(faces) = pieces.comparable(a, b).filter(|_| !pieces.joined(a, b)) {
+                tested += 1;
+                judge(faces, [a, b]);
             }
         };
         self.hierarchy

@@ -24,6 +24,9 @@ pub(super) const MAX_TEAR_RATIO: f64 = 0.5;
 /// Largest part of the distance of two faces that the tears along a chain between them may use up; for nearer faces, the
 /// chain follows the spanning tree, along which nothing is torn.
 pub(super) const CHAIN_TEAR_RATIO: f64 = 0.25;
+/// Ratio of the room that pieces at a torn side have, to the angle at which they may be in each other, from which on their
+/// next query follows from that angle alone. With less room, steps would become ever shorter.
+pub(super) const MIN_OPENING_RATIO: f64 = 0.25;
 /// Ratio of the displacement that is attributed to rounded coordinates to the unit of their last digit: errors add up
 /// along the chain of faces from one face to another.
 pub(super) const CHAIN_ROUNDING_RATIO: f64 = 10.0;

@@ -127,7 +127,7 @@ impl PairSource for SheetPairs {
         PairCounts {
             all,
             representative: all,
-            joined: Some(pieces.joined_pairs()),
+            joined: Some(pieces.joined_pairs().len() as u64),
         }
     }
 }

@@ -135,14 +135,18 @@ impl<'a> Approach<'a> {
         if 2.0 * torn <= CHAIN_TEAR_RATIO * room {
             return chain;
         }
-        let along_tree = pair.along_tree.take();
-        let along_tree = along_tree.unwrap_or_else(|| {
-            let faces = sheet.faces(pair.nodes);
-            let along_tree = self.chains.along_tree(faces);
-            along_tree.unwrap_or(chain)
-        });
-        pair.along_tree = Some(along_tree.clone());
-        along_tree
+        self.along_tree(sheet, pair)
+    }
+
+    /// Returns the chain of creases along the tree between the two members of a pair, on which nothing is torn.
+    pub(super) fn along_tree(&mut self, sheet: &PlacedPieces<'_>, pair: &mut Pair) -> Chain {
+        if let Some(chain) = &pair.along_tree {
+            return chain.clone();
+        }
+        let along_tree = self.chains.along_tree(sheet.faces(pair.nodes));
+        let chain = along_tree.unwrap_or_else(|| self.chain(sheet, pair));
+        pair.along_tree = Some(chain.clone());
+        chain
     }
 
     /// Returns the shortest chain of creases between the two members of a pair.

@@ -167,9 +167,8 @@ impl Sweep<'_> {
         let pieces = &self.sheet.pieces;
         let shared = pieces.shared(a, b);
         if shared.len() > 1 {
-            self.found.joined += 1;
-            // The shared vertices are the ends of a line that is a side of both pieces: they turn about it.
-            return (!self.options.skip_edges).then_some((Kind::Joined, None));
+            // The shared vertices are on a line that is a side of both pieces.
+            return Some((self.classify_side([a, b], &shared)?, None));
         }
         if let Some(&corners) = shared.first()
             && let Some(chain) = chains.find(faces, Some(pieces.vertex(a, corners[0])))

@@ -29,6 +29,7 @@ mod comoving_faces;
 pub(super) mod motion;
 mod pair_query;
 mod queue;
+mod sides;
 mod touching;
 mod variation;
 mod verdict;

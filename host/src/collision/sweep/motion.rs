@@ -194,6 +194,13 @@ impl Motion {
         variation.map_or_else(HalfAngle::default, |v| v.curve.half_angle(s))
     }
 
+    /// Returns the angle of a group at a time, radians.
+    pub(super) fn angle(&self, group: usize, tick: Tick) -> f64 {
+        let Place { segment, s } = self.place(tick);
+        let variation = self.variations.get(segment * self.groups + group);
+        variation.map_or(0.0, |v| v.curve.angle(s))
+    }
+
     /// Computes half the angle of each group at a time.
     pub(in crate::collision) fn half_angles(&self, tick: Tick, half_angles: &mut [HalfAngle<f64>]) {
         for (group, half) in half_angles.iter_mut().enumerate() {
@@ -203,10 +210,8 @@ impl Motion {
 
     /// Computes the angles of all groups at a time, radians.
     pub(in crate::collision) fn angles(&self, tick: Tick, angles: &mut [f64]) {
-        let Place { segment, s } = self.place(tick);
         for (group, angle) in angles.iter_mut().enumerate() {
-            let variation = self.variations.get(segment * self.groups + group);
-            *angle = variation.map_or(0.0, |v| v.curve.angle(s));
+            *angle = self.angle(group, tick);
         }
     }
 

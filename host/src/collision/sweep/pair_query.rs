@@ -18,6 +18,7 @@ impl Sweep<'_> {
             Kind::Batch(batch) => self.query_batch(batch),
             Kind::Pieces | Kind::Meeting => self.query_pieces(index, &pair),
             Kind::Vertex(corners) => self.query_sectors(index, &pair, corners),
+            Kind::Side(side) => self.query_side(index, &pair, &side),
             Kind::Joined => {
                 self.found.counts.tested += 1;
                 match self.sheet.depth(pair.nodes, self.contact) {
@@ -100,7 +101,7 @@ impl Sweep<'_> {
         let nodes = pair.nodes;
         let spheres = nodes.map(|node| self.sheet.sphere(node));
         let apart = spheres[0].distance(&spheres[1]);
-        let counts = pair.kind == Kind::Pieces;
+        let counts = matches!(pair.kind, Kind::Pieces);
         let deviation = self.deviation;
         let comoving = self.comoving_until(nodes);
         let far = apart > deviation + MEASURE_RATIO * spheres[0].radius.min(spheres[1].radius);
@@ -189,7 +190,7 @@ impl Sweep<'_> {
     }
 
     /// Returns the time until which two pieces keep their positions relative to each other, if they do for a while.
-    fn comoving_until(&self, nodes: [u32; 2]) -> Option<Tick> {
+    pub(super) fn comoving_until(&self, nodes: [u32; 2]) -> Option<Tick> {
         let known = self.options.skip_motion;
         known
             .then(|| {
@@ -227,7 +228,7 @@ impl Sweep<'_> {
     }
 
     /// Returns the next query of a pair of pieces that are `apart` and may approach each other by `allowance`.
-    fn after(&self, apart: f64, allowance: f64, counts: bool) -> QueryOutcome {
+    pub(super) fn after(&self, apart: f64, allowance: f64, counts: bool) -> QueryOutcome {
         if self.sheet.is_at_end() {
             return QueryOutcome::Free;
         }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::chains::Chain;
 use super::motion::Tick;
 use crate::collision::pairs::Batch;
+use crate::collision::sides::Side;
 use crate::pattern::FaceId;
 
 /// Two clusters, or two pieces, to be queried again.
@@ -26,7 +27,7 @@ pub(super) struct Pair {
     pub(super) above: Option<[bool; 2]>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
     Clusters,
     /// Pairs that are looked at together.
@@ -36,6 +37,9 @@ pub(super) enum Kind {
     Meeting,
     /// Pieces that share a vertex: positions of their corners at the vertex.
     Vertex([u32; 2]),
+    /// Pieces that share a side at which the sheet may be torn.
+    Side(Side),
+    /// Pieces that share a side about which they turn.
     Joined,
 }
 

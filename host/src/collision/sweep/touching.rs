@@ -171,14 +171,17 @@ impl Sweep<'_> {
         self.contact.of(&self.sheet.pieces, pair.nodes) + self.torn(pair)
     }
 
-    /// Returns the distance between the positions that two placed pieces give a vertex that they share.
+    /// Returns the largest distance between the positions that two placed pieces give a vertex that they share.
     fn torn(&self, pair: &Pair) -> f64 {
-        let Kind::Vertex(corners) = pair.kind else {
-            return 0.0;
-        };
         let placed = self.sheet.placed();
-        let corner = |k: usize| placed.piece(pair.nodes[k]).corners[corners[k] as usize];
-        (corner(0) - corner(1)).norm()
+        match pair.kind {
+            Kind::Vertex(corners) => {
+                let corner = |k: usize| placed.piece(pair.nodes[k]).corners[corners[k] as usize];
+                (corner(0) - corner(1)).norm()
+            }
+            Kind::Side(_) => placed.torn(pair.nodes),
+            _ => 0.0,
+        }
     }
 
     /// Returns how much deeper two placed pieces, `apart` by a distance or an angle, may overlap until that is no longer

@@ -132,9 +132,9 @@ pub fn sizes(sizes: &[usize], csv: &mut String) -> String {
             eprintln!("{size}x{size}, {}", kind.name());
             let tree = Tree::new(&sheet.pattern, kind);
             let [double, single, mixed] = [
-                errors::<f64, f64>(&sheet, tree, &zigzag),
-                errors::<f32, f32>(&sheet, tree, &zigzag),
-                errors::<f32, f64>(&sheet, tree, &zigzag),
+                errors::<f64, f64>(&sheet, &tree, &zigzag),
+                errors::<f32, f32>(&sheet, &tree, &zigzag),
+                errors::<f32, f64>(&sheet, &tree, &zigzag),
             ];
             let (name, depth) = (kind.name(), tree.depth());
             let _ok = writeln!(

@@ -1,0 +1,144 @@
+//! Queries of pieces that share a side off the spanning tree, where the sheet may be torn.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use foldpath_core::Membership;
+use nalgebra::Vector3;
+
+use super::queue::{Kind, Pair};
+use super::{QueryOutcome, Sweep};
+use crate::collision::sides::Side;
+use crate::collision::tolerances::MIN_OPENING_RATIO;
+
+/// Bound on the tear between two pieces that share a side.
+#[derive(Clone, Copy, Debug)]
+struct SideTear {
+    /// Group and sign of the crease at the side; `None` if the edge stays flat.
+    member: Option<Membership>,
+    /// Angle, radians.
+    turn: f64,
+    /// Distance by which a point of the smaller piece may be moved, units of the sheet.
+    moved: f64,
+}
+
+impl Sweep<'_> {
+    /// Returns the kind of a pair of pieces that share several vertices; `None` if it needs no query, because the pieces
+    /// turn about their common side but for a tear that contact allows.
+    pub(super) fn classify_side(&mut self, nodes: [u32; 2], shared: &[[u32; 2]]) -> Option<Kind> {
+        let side = Side::of(&self.sheet.pieces, nodes, shared)?;
+        let allowed = self.contact.of(&self.sheet.pieces, nodes);
+        let tear = self.side_tear(nodes, &side);
+        if tear.is_none_or(|tear| tear.moved.is_nan() || tear.moved > allowed) {
+            return Some(Kind::Side(side));
+        }
+        self.found.joined += 1;
+        (!self.options.skip_edges).then_some(Kind::Joined)
+    }
+
+    /// Returns the least bound on the tear at an edge that joins two pieces; `None` if no edge joins them, as on the two
+    /// sides of a slit.
+    fn side_tear(&self, nodes: [u32; 2], side: &Side) -> Option<SideTear> {
+        let [face, other] = self.sheet.faces(nodes);
+        let neighbours = self.pattern.neighbours()[face.index()].iter();
+        let edges = neighbours.filter(|(beyond, _)| *beyond == other);
+        let tears = edges.map(|&(_, edge)| {
+            let [turn, shift] = if self.along_lattice {
+                [self.turn, self.deviation]
+            } else {
+                self.approach.chains.ways.tear(edge)
+            };
+            let crease = self.pattern.edge(edge).crease;
+            SideTear {
+                member: crease.and_then(|crease| self.memberships.get(crease.index()).copied()),
+                turn,
+                moved: turn * side.reach + shift,
+            }
+        });
+        tears.min_by(|a, b| a.moved.total_cmp(&b.moved))
+    }
+
+    pub(super) fn query_side(&mut self, index: u32, pair: &Pair, side: &Side) -> QueryOutcome {
+        let nodes = pair.nodes;
+        let tear = self.side_tear(nodes, side);
+        if let Some(outcome) = tear.and_then(|tear| self.open_until(side, &tear)) {
+            return outcome;
+        }
+        // Along a lattice nothing more is known of the tear.
+        if self.along_lattice {
+            return QueryOutcome::Undecided;
+        }
+        self.found.counts.tested += 1;
+        self.sheet.put(nodes);
+        if self.is_split(pair) {
+            return QueryOutcome::Undecided;
+        }
+        let member = tear.and_then(|tear| tear.member);
+        let pair = Pair {
+            above: self.above(pair, member),
+            ..pair.clone()
+        };
+        self.queue[index].above = pair.above;
+        if let Some(depth) = self.crosses(index, &pair, 0.0) {
+            return QueryOutcome::Crossing(depth);
+        }
+        if let Some(until) = self.comoving_until(nodes) {
+            return self.next(until, 0.0, false);
+        }
+        let chain = self
+            .approach
+            .along_tree(&self.sheet, &mut self.queue[index]);
+        let placed = self.sheet.placed();
+        let spare = side.lean(&placed, nodes) - Side::least_lean(side.turn(&placed));
+        if spare > 0.0 {
+            // While the creases between turn by an angle, the tear grows and the lean shrinks by that angle at most.
+            self.approach.gather_turns(&chain);
+            return self.after(0.0, spare / (1.0 + Side::least_lean(1.0)), false);
+        }
+        let tolerance = self.allowed(&pair);
+        let room = self.left_of(tolerance, nodes, 0.0);
+        self.approach.gather_corners(&mut self.sheet, &chain, nodes);
+        let outcome = self.after(0.0, room, false);
+        self.at_contact(index, tolerance, 0.0, outcome)
+    }
+
+    /// Returns the next query of two pieces whose tear has a bound, while the fold angle between them leaves them free.
+    /// Returns `None` if it does not, or hardly.
+    fn open_until(&mut self, side: &Side, tear: &SideTear) -> Option<QueryOutcome> {
+        let opening = side.least_opening(tear.turn)?;
+        let Some(member) = tear.member else {
+            return Some(QueryOutcome::Free);
+        };
+        let angle = self
+            .sheet
+            .motion
+            .angle(member.group.index(), self.sheet.time);
+        let room = PI - opening - angle.abs();
+        if room <= MIN_OPENING_RATIO * opening {
+            return None;
+        }
+        let levers = &mut self.approach.levers;
+        levers.clear();
+        levers.add(member.group.0, 1.0);
+        Some(self.after(0.0, room, false))
+    }
+
+    /// Returns from which sides two placed pieces came that are folded onto each other by more than a quarter turn: `true`
+    /// if the second is above the first, and if the first is above the second. The crease between them tells or, if there
+    /// is none, what was known before.
+    fn above(&self, pair: &Pair, member: Option<Membership>) -> Option<[bool; 2]> {
+        if let Some(member) = member {
+            let angle = self
+                .sheet
+                .motion
+                .angle(member.group.index(), self.sheet.time);
+            let valley = (angle > 0.0) != member.negative;
+            return (angle.abs() > FRAC_PI_2).then_some([valley; 2]);
+        }
+        let placed = self.sheet.placed();
+        let [a, b] = pair.nodes.map(|node| placed.piece(node));
+        let height = |corner: &Vector3<f64>| a.normal.dot(&(corner - a.corners[0]));
+        let is_above = b.corners.iter().map(height).sum::<f64>() > 0.0;
+        let is_folded = a.normal.dot(&b.normal) < 0.0;
+        is_folded.then(|| pair.above.unwrap_or([is_above; 2]))
+    }
+}
