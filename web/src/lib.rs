@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use foldpath::check::check_watched;
-use foldpath::export::fold::{motion_text, pattern_text};
+use foldpath::export::fold::{motion_text, pattern_text, write_pattern};
 use foldpath::export::{ExportOptions, FORMATS, Place, Source};
 use foldpath::motion::{Motion, PlanAnswer};
 use foldpath::progress::Watch;
@@ -69,7 +69,11 @@ pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
     let file = parse_shape(path, bytes, None, None).map_err(refusal)?;
     let unfolding = unfold_shape(&file.shape, &UnfoldOptions::default()).map_err(refusal)?;
     match (&unfolding.drawing, unfolding.reason) {
-        (Some(drawing), _) => Ok(pattern_text(&file.title, drawing)),
+        (Some(drawing), _) => {
+            let mut text = Vec::new();
+            write_pattern(&file.title, drawing, unfolding.precision, &mut text).map_err(refusal)?;
+            Ok(String::from_utf8(text)?)
+        }
         (None, Some(reason)) => Err(JsError::new(&format!("{name}: {reason}"))),
         (None, None) => Err(JsError::new(&format!("{name}: not unfolded"))),
     }

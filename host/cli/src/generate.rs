@@ -5,11 +5,14 @@ use crate::options::FamilyArgs;
 use crate::output::write_whole_with;
 use crate::standard::{print_summary, shown};
 use foldpath::export::fold::write_pattern;
+use foldpath::pattern::Precision;
 use foldpath::request::generate;
 
 pub(crate) fn run(FamilyArgs { family, output }: &FamilyArgs, quiet: bool) -> Answer {
     let (title, drawing) = generate(family)?;
-    write_whole_with(output, |mut out| write_pattern(&title, &drawing, &mut out))?;
+    write_whole_with(output, |mut out| {
+        write_pattern(&title, &drawing, Precision::default(), &mut out)
+    })?;
     let text = format!(
         "{title}: {} vertices, {} edges, written to {}\n",
         drawing.vertices.len(),

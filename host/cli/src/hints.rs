@@ -28,6 +28,9 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
             let most = most.to_degrees().ceil();
             Some(format!("`--bend {most}` lets panels bend so far"))
         }
+        Note::OverlapsAtGoal(most) => {
+            Some(format!("`--contact {most:.1e}` takes that for contact"))
+        }
         _ => None,
     }
 }

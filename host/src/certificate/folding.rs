@@ -28,9 +28,6 @@ const MAX_POLYNOMIAL_ERROR_RATIO: f64 = 1e-13;
 const POLYNOMIAL_ERROR_RATIO: f64 = 0.01;
 /// Rounding of a half angle that [`rounding`] allows for, 16 ε.
 const HALF_ANGLE_ROUNDING_RAD: f64 = 16.0 * f64::EPSILON;
-/// Factor from bounds that are proved for four spanning trees to bounds for any tree, along which a sheet that does not
-/// close may be torn more. No proof knows this factor.
-const OTHER_TREES_RATIO: f64 = 2.0;
 
 /// For gap, deformation and twist: ln M on the ellipses, and the power of the faces' weights that values are multiplied
 /// by.
@@ -39,8 +36,8 @@ type Growth = [([f64; RADII], f64); 3];
 /// Bounds deformation, gap and twist of a whole sheet, as [`FoldingMap::rigidity`] measures them.
 ///
 /// The sheet is folded along four spanning trees: from its middle and from its rim, along rows or columns of its faces.
-/// A sheet that does not close is torn elsewhere by each of them. The bounds are twice those that are proved for the
-/// four trees, to cover other trees.
+/// A sheet that does not close is torn elsewhere by each of them. The bounds are proved for these trees, and nothing is
+/// claimed for others.
 #[derive(Clone, Debug)]
 pub struct FoldingCertifier<'a>([Folded<'a>; 4]);
 
@@ -58,18 +55,13 @@ impl<'a> FoldingCertifier<'a> {
     /// Cost: the sheet is folded 9 to 49 times along each tree for each part into which the segment is halved: 1 part
     /// if no path from the root to a face turns by more than some ten radians in all, at most 256.
     pub fn rigidity(&mut self, curves: &[Curve<f64>], most: f64) -> Option<Rigidity> {
-        let most = most / OTHER_TREES_RATIO;
         let each = parallel::total_time(self.0[0].sums.len(), TIME_PER_FACE);
         let bounds =
             parallel::try_map_mut(&mut self.0, each, |folded| folded.rigidity(curves, most))?;
         let worst = bounds
             .into_iter()
             .fold(Rigidity::default(), Rigidity::worse);
-        Some(Rigidity {
-            deformation: OTHER_TREES_RATIO * worst.deformation,
-            gap: OTHER_TREES_RATIO * worst.gap,
-            twist: OTHER_TREES_RATIO * worst.twist,
-        })
+        Some(worst)
     }
 }
 

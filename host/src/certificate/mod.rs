@@ -3,7 +3,7 @@
 //!
 //! Every bound holds for the exact motion of the given curves, rounding of the computation included, and for the same
 //! motion evaluated in `f64` by other means. The bounds of [`FoldingCertifier`] are proved for the four spanning trees
-//! along which it folds the sheet, and for no other: see its page for why they are doubled.
+//! along which it folds the sheet, and for no other.
 
 mod bernstein;
 mod chebyshev;

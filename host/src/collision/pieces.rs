@@ -10,15 +10,17 @@ use super::tolerances::{
     CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
     MAX_ROUNDING_RATIO,
 };
-use crate::pattern::{CreasePattern, FaceId, VertexId};
+use crate::pattern::{CreasePattern, FaceId, Precision, VertexId};
 
-/// Returns the depth up to which an overlap of two faces counts as contact, in median edges: 1e-6, and ten times the
-/// unit of the last digit if coordinates are rounded, at most 1e-3 more. In front of a face whose size is below the
-/// median edge it is less.
+/// Returns the depth up to which an overlap of two faces counts as contact, in median edges: 1e-6, and what the precision
+/// of the pattern explains, at most 1e-3 more. Coordinates explain ten units of their last digit, goal angles what turning
+/// by ten of their units moves at a distance of a median edge. In front of a face whose size is below the median edge it
+/// is less.
 #[must_use]
 pub fn contact_tolerance(pattern: &CreasePattern) -> f64 {
-    let rounding = CHAIN_ROUNDING_RATIO * pattern.coordinate_unit() / pattern.median_edge();
-    CROSSING_DEPTH_EDGES + rounding.min(MAX_ROUNDING_EDGES)
+    let Precision { length, angle } = pattern.precision();
+    let unit = length.unit() / pattern.median_edge() + angle.unit();
+    CROSSING_DEPTH_EDGES + (CHAIN_ROUNDING_RATIO * unit).min(MAX_ROUNDING_EDGES)
 }
 
 /// Depths up to which an overlap of two pieces is contact. They belong to a pair: in front of a thin face they are less.

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::{Serialize, Serializer};
 
 use crate::motion::{GroupNaming, Knot, Motion, interpolation_name};
-use crate::pattern::Drawing;
+use crate::pattern::{Drawing, Precision};
 
 /// Writes keys and values of a FOLD object in order.
 struct Object<'a, W: Write> {
@@ -72,14 +72,20 @@ fn degrees(radians: f64) -> f64 {
 /// Formats a crease pattern with its goal angles as a FOLD file.
 #[must_use]
 pub fn pattern_text(title: &str, drawing: &Drawing) -> String {
-    text(|out| write_pattern(title, drawing, out))
+    text(|out| write_pattern(title, drawing, Precision::default(), out))
 }
 
-/// Writes a crease pattern with its goal angles, and with its faces if they are known, as a FOLD file.
+/// Writes a crease pattern with its goal angles, and with its faces if they are known, as a FOLD file. The file tells the
+/// precision of its numbers if that is less than their digits say.
 ///
 /// # Errors
 /// The errors of `out`.
-pub fn write_pattern(title: &str, drawing: &Drawing, out: &mut impl Write) -> io::Result<()> {
+pub fn write_pattern(
+    title: &str,
+    drawing: &Drawing,
+    precision: Precision,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let vertices = drawing.vertices.iter().map(|v| [v.x, v.y]);
     let edges = || drawing.edges.iter();
     let goals = edges().map(|e| e.goal.map_or(0.0, degrees));
@@ -89,11 +95,21 @@ pub fn write_pattern(title: &str, drawing: &Drawing, out: &mut impl Write) -> io
         file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
         file.list("edges_foldAngle", goals)?;
+        tell_precision(file, precision)?;
         match &drawing.faces {
             Some(faces) => file.list("faces_vertices", faces),
             None => Ok(()),
         }
     })
+}
+
+/// Writes the units of lengths and of angles in degrees, unless both are exact.
+fn tell_precision(file: &mut Object<'_, impl Write>, precision: Precision) -> io::Result<()> {
+    if precision == Precision::default() {
+        return Ok(());
+    }
+    let Precision { length, angle } = precision;
+    file.list("foldpath:precision", [length.unit(), degrees(angle.unit())])
 }
 
 fn header(file: &mut Object<'_, impl Write>, title: &str, class: &str) -> io::Result<()> {
@@ -137,6 +153,7 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
         file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
         file.list("faces_vertices", pattern.faces().iter())?;
+        tell_precision(file, pattern.precision())?;
         file.set(
             "foldpath:interpolation",
             interpolation_name(motion.interpolation),

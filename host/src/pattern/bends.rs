@@ -104,6 +104,7 @@ impl CreasePattern {
         pattern.assumptions.clone_from(&self.assumptions);
         pattern.repairs.clone_from(&self.repairs);
         pattern.y_down = self.y_down;
+        pattern.written_with(self.precision());
         Some(pattern)
     }
 }

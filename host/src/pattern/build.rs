@@ -83,6 +83,7 @@ impl CreasePattern {
             lost: None,
             y_down: false,
             tree: OnceLock::new(),
+            precision: OnceLock::new(),
         };
         pattern.neighbours = pattern.find_neighbours();
         pattern.sheets = pattern.find_sheets();

@@ -33,6 +33,7 @@ pub use letter::Letter;
 pub use lost::LostLines;
 pub(crate) use lost::rounded;
 pub use model::{CreasePattern, Edge};
+pub use precision::{Digits, Precision};
 pub use rigidity::Rigidity;
 pub(crate) use trace::twice_area;
 pub use tree::{SpanningTree, Step};

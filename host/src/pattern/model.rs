@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::{Vector2, Vector3};
 
+use super::precision::Precision;
 use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, SpanningTree, VertexId};
 use crate::util::csr::Csr;
 
@@ -66,6 +67,8 @@ pub struct CreasePattern {
     pub(super) y_down: bool,
     /// The spanning tree of the faces, once requested.
     pub(super) tree: OnceLock<SpanningTree>,
+    /// The precision with which the pattern was written, once told or requested.
+    pub(super) precision: OnceLock<Precision>,
 }
 
 impl CreasePattern {

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use thiserror::Error;
 
 use super::vectors::largest;
-use crate::pattern::{CreaseId, CreasePattern};
+use crate::pattern::{CreaseId, CreasePattern, Digits, Precision};
 
 /// Goal fold angles of the creases, and how they are to be reached.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +102,23 @@ impl Goal {
             guide: None,
             source,
         }
+    }
+
+    /// Returns the precision of a pattern that folds to this goal: its angles count if they were measured or written, those
+    /// of letters and of driven creases are meant as they are.
+    pub(crate) fn precision(&self, pattern: &CreasePattern) -> Precision {
+        let Precision { length, angle } = pattern.precision();
+        let angle = if self.kind == GoalKind::Configuration {
+            let own = Digits::of_angles(self.fold_angles.iter().flatten().copied());
+            if own.unit() > angle.unit() {
+                own
+            } else {
+                angle
+            }
+        } else {
+            Digits::Exact
+        };
+        Precision { length, angle }
     }
 
     /// Makes the goal of some creases turned to their angles (radians) from flat, while the others follow in the

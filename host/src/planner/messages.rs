@@ -271,6 +271,10 @@ impl Display for Note {
                 f,
                 "folded in {phases} phases: all creases cannot turn at once"
             ),
+            Self::OverlapsAtGoal(most) => write!(
+                f,
+                "at the goal faces are in each other by less than {most:.1e} median edges"
+            ),
             Self::WouldBend(most) => write!(
                 f,
                 "the sheet would fold if its panels might bend by {:.1} degrees",

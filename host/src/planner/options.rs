@@ -239,7 +239,7 @@ impl PlanOptions {
             ("max_step", MAX_STEP_DEG, Some(self.max_step)),
             ("max_speed", MAX_SPEED_DEG_PER_S, Some(self.max_speed)),
             (
-                "max_acceleration",
+                "max_accel",
                 MAX_ACCELERATION_DEG_PER_S2,
                 self.max_acceleration,
             ),
@@ -258,6 +258,12 @@ impl PlanOptions {
             if let Some(found) = found.filter(|found| !range.to_radians().contains(*found)) {
                 return Err(refused(option, &range, found.to_degrees()));
             }
+        }
+        if let (Some(Interpolation::Linear), Some(most)) =
+            (self.interpolation, self.max_acceleration)
+        {
+            let expected = "no limit, as a linear path changes the speed of hinges at once";
+            return Err(refused("max_accel", &expected, most.to_degrees()));
         }
         for &HingeLimit { lower, upper, .. } in &self.limits {
             let lower_is_good = (-PI..=0.0).contains(&lower);

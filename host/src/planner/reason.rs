@@ -243,6 +243,8 @@ pub enum Note {
     Phases(usize),
     /// The sheet would fold to the goal if panels bent by this angle, radians.
     WouldBend(f64),
+    /// Faces are in each other by less than this depth at the goal, which the path nearly reaches, in median edges.
+    OverlapsAtGoal(f64),
     /// The errors of vertices that do not close are added up as they are, not in the worst case.
     ErrorsAddedUp {
         /// Largest closure residual of a vertex.

@@ -45,7 +45,7 @@ pub(super) fn parse_pattern(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let (shape, mut notes) = parse(path, text)?;
-    let Some(vertices) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
+    let Some((vertices, written)) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
         let place = "the vertices";
         return Err(FileError::expected(path, place, FLAT_PATTERN, NOT_FLAT));
     };
@@ -92,6 +92,9 @@ pub(super) fn parse_pattern(
             source,
         })?;
     notes.into_iter().for_each(|note| pattern.assume(note));
+    if let Some(length) = written {
+        pattern.lengths_written_with(length);
+    }
     Ok(PatternFile {
         title: stem(path),
         pattern,

@@ -22,7 +22,9 @@ use self::straighten::{Straightened, straighten};
 use super::fold::PatternFile;
 use super::options::Straighten;
 use super::{FileError, ReadOptions, stem};
-use crate::pattern::{CreasePattern, Drawing, LARGEST, Letter, LostLines, PatternError, rounded};
+use crate::pattern::{
+    CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError, rounded,
+};
 use crate::progress::Watch;
 use crate::util::nan_max::bounding_box;
 
@@ -40,12 +42,32 @@ pub(super) struct Segment {
     pub(super) goal: Option<f64>,
 }
 
+/// The ends of lines as they were written.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Written {
+    /// As they are.
+    #[default]
+    Alike,
+    /// Before a transform in single precision: its scale, and `true` if it turns.
+    Transformed(Vec<[f64; 2]>, f64, bool),
+    /// With this precision.
+    With(Digits),
+}
+
+impl From<Option<Digits>> for Written {
+    fn from(digits: Option<Digits>) -> Self {
+        digits.map_or(Self::Alike, Self::With)
+    }
+}
+
 /// The loose lines of a drawing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LooseLines {
     pub(super) segments: Vec<Segment>,
     /// Largest distance of an end from the place where it was drawn.
     pub(super) rounding: f64,
+    /// The ends as they were written.
+    pub(super) written: Written,
     /// `true` if y points down in the drawing. The segments have y pointing up.
     pub(super) y_down: bool,
     /// Assumptions made while reading.
@@ -75,9 +97,17 @@ pub(super) fn pattern_file(
     let LooseLines {
         segments,
         rounding,
+        written,
         y_down,
         notes,
     } = lines;
+    let written = match written {
+        Written::Alike => {
+            let ends = segments.iter().flat_map(|segment| segment.ends);
+            Written::Transformed(ends.map(Into::into).collect(), 1.0, false)
+        }
+        other => other,
+    };
     let kept = (segments.len() <= MAX_SEARCHED_LINES).then(|| segments.clone());
     let reader = Reader {
         path,
@@ -90,6 +120,19 @@ pub(super) fn pattern_file(
         Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
         _ => None,
     };
+    // Asked before lines are straightened: those that are bent a little show that numbers are rounded.
+    let length = match written {
+        Written::Transformed(points, scale, turned) => {
+            let rounded = |unit: f64| sheet.pattern.looks_rounded(unit * scale);
+            match Digits::of_coordinates(points.into_iter(), rounded).scaled(scale) {
+                Digits::Exact if !turned => Digits::Exact,
+                digits if digits.unit() < rounding => Digits::Single(rounding),
+                digits => digits,
+            }
+        }
+        Written::With(digits) => digits,
+        Written::Alike => Digits::Exact,
+    };
     let straightened = reader.straighten(&mut sheet, options.straighten);
     let RepairedDrawing {
         ref mut pattern,
@@ -97,6 +140,7 @@ pub(super) fn pattern_file(
         islands,
         ..
     } = sheet;
+    pattern.lengths_written_with(length);
     notes.into_iter().for_each(|note| pattern.assume(note));
     for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);

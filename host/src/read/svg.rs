@@ -25,7 +25,7 @@ use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 use self::colour::Kind;
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
-use super::segments::{LooseLines, MAX_LINES, Segment, pattern_file};
+use super::segments::{LooseLines, MAX_LINES, Segment, Written, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::colours::hex;
 use crate::progress::Watch;
@@ -82,9 +82,16 @@ pub(super) fn parse_pattern(
         ends.map(move |&ends| Segment { ends, letter, goal })
     });
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
+    let written = strokes.iter().flat_map(|stroke| &stroke.lines.written);
+    let scales = strokes.iter().map(|stroke| stroke.lines.scale);
     let lines = LooseLines {
         segments: segments.collect(),
         rounding: rounding.fold(0.0, f64::max),
+        written: Written::Transformed(
+            written.copied().collect(),
+            scales.fold(0.0, f64::max),
+            strokes.iter().any(|stroke| stroke.lines.turned),
+        ),
         y_down: true,
         notes,
     };
@@ -190,6 +197,11 @@ struct Lines {
     straightened: usize,
     /// Largest distance by which single precision may have moved an end.
     rounding: f64,
+    /// The ends before the transform, as they were written, the factor by which the transform scales lengths, and `true` if
+    /// it turns.
+    written: Vec<[f64; 2]>,
+    scale: f64,
+    turned: bool,
 }
 
 /// Returns all strokes in the order in which they are painted.
@@ -252,11 +264,12 @@ fn lines(path: &usvg::Path) -> Option<Lines> {
         let [x, y] = [p.x, p.y].map(decimal);
         Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
     };
-    let (mut ends, mut straightened) = (Vec::new(), 0);
+    let (mut ends, mut straightened, mut written) = (Vec::new(), 0, Vec::new());
     let (mut start, mut at) = (Vector2::zeros(), Vector2::zeros());
     for segment in path.data().segments() {
         let (to, between) = match segment {
             PathSegment::MoveTo(p) => {
+                written.push([p.x, p.y].map(as_written));
                 start = point(p);
                 at = start;
                 continue;
@@ -275,6 +288,11 @@ fn lines(path: &usvg::Path) -> Option<Lines> {
         if at != to {
             ends.push([at, to]);
         }
+        if let PathSegment::LineTo(p) | PathSegment::QuadTo(_, p) | PathSegment::CubicTo(_, _, p) =
+            segment
+        {
+            written.push([p.x, p.y].map(as_written));
+        }
         at = to;
     }
     // The rounding error of a coordinate is that of the largest of its summands.
@@ -292,6 +310,9 @@ fn lines(path: &usvg::Path) -> Option<Lines> {
         ends,
         straightened,
         rounding: largest * f64::from(f32::EPSILON),
+        written,
+        scale: (sx * sy - kx * ky).abs().sqrt(),
+        turned: kx.abs().max(ky.abs()) > 0.0,
     })
 }
 
@@ -309,6 +330,18 @@ fn is_straight([from, to]: [Vector2<f64>; 2], controls: [Vector2<f64>; 2]) -> bo
             && part >= -rounding
             && part <= length + rounding
     })
+}
+
+/// Returns the number with six digits from which a number in single precision may have come by a few sums, as of relative
+/// commands, or else the number itself.
+fn as_written(number: f32) -> f64 {
+    let exact = f64::from(number);
+    let short: f64 = format!("{exact:.5e}").parse().unwrap_or(exact);
+    if (short - exact).abs() <= 2.0 * f64::from(f32::EPSILON) * exact.abs() {
+        short
+    } else {
+        decimal(number)
+    }
 }
 
 /// Returns the shortest decimal that rounds to a single-precision number, which is the number in the file. A plain

@@ -14,7 +14,7 @@ use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
 use crate::folding::worst_amplification;
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, EdgeId, Letter};
+use crate::pattern::{CreasePattern, EdgeId, Letter, Precision};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -96,6 +96,18 @@ answers! {
         solver: SolverJson = SolverJson::of(plan);
         collision: SweepCounts = plan.crossings.counts;
         seed: u64 = request.seed;
+        precision: PrecisionJson = PrecisionJson::of(pattern.precision());
+    }
+
+    /// Units of the last digit of a pattern's numbers: of its coordinates, and of its goal angles in degrees. Exact numbers
+    /// have none.
+    PrecisionJson of (precision: Precision) {
+        let [length, angle] = [precision.length, precision.angle].map(|digits| {
+            Some(digits.unit()).filter(|unit| *unit > 0.0)
+        });
+    } {
+        length: Option<f64> = length;
+        angle: Option<f64> = angle.map(f64::to_degrees);
     }
 
     /// A strategy that was tried.

@@ -145,8 +145,8 @@ options! {
 
         /// Depth up to which faces may overlap that touch, in median edges, at most 0.001
         ///
-        /// Without this option it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last
-        /// digit if they are rounded. In front of a small face, at most a thousandth of the face counts.
+        /// Without this option it follows from the digits of coordinates and goal angles: 1e-6, and ten times the unit to
+        /// which they are rounded. In front of a small face, at most a thousandth of the face counts.
         contact: Option<f64> = None, heading: "Limits", value_name: "EDGES", range: Some(CONTACT_EDGES);
     }
 }

@@ -18,7 +18,7 @@ mod surface;
 use nalgebra::Vector3;
 
 use crate::folding::{FoldingMap, align_sheets};
-use crate::pattern::{CreasePattern, Drawing, PatternError};
+use crate::pattern::{CreasePattern, Digits, Drawing, PatternError, Precision};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
 use angles::Creases;
@@ -139,6 +139,8 @@ pub struct Unfolding {
     pub reason: Option<Reason>,
     /// The flat sheet with the measured fold angles as its goal, if unfolded.
     pub drawing: Option<Drawing>,
+    /// Precision of the flat sheet and its goal, which follows from that of the shape.
+    pub precision: Precision,
     /// Number of vertices of the flat sheet, or of the shape if there is no flat sheet.
     pub vertices: usize,
     /// Number of faces.
@@ -186,6 +188,7 @@ pub fn unfold_watched(
         outcome: Outcome::NotDevelopable,
         reason: None,
         drawing: None,
+        precision: Precision::default(),
         vertices: surface.vertices(),
         faces: surface.faces.len(),
         creases: creases.hinges(),
@@ -224,6 +227,7 @@ pub fn unfold_watched(
                 unfolding.reason = None;
                 unfolding.cuts = layout.cuts(&surface);
                 unfolding.pieces = pattern.sheets();
+                unfolding.precision = precision_of(shape, &pattern);
                 unfolding.notes.extend(layout.notes(&surface));
                 unfolding.drawing = Some(drawing);
                 return Ok(unfolding);
@@ -240,6 +244,17 @@ pub fn unfold_watched(
         }
     }
     Ok(unfolding)
+}
+
+/// Returns the precision of the flat sheet of a shape: a unit of the shape's coordinates moves a face by that unit, and
+/// turns it by the unit over its size.
+fn precision_of(shape: &FoldedShape, pattern: &CreasePattern) -> Precision {
+    let points = shape.vertices.iter().map(|&point| point.into());
+    let length = Digits::of_coordinates(points, |_| false);
+    Precision {
+        length,
+        angle: length.scaled(1.0 / pattern.median_edge()),
+    }
 }
 
 /// Measures the fold angles (radians, valley positive) of a shape at the edges that it names; 0 at edges with one face.

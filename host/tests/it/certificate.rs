@@ -474,7 +474,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                 }
             }
             let near = folded
-                .rigidity(&curves, 3.4 * all.worst() + 12.0 * lost)
+                .rigidity(&curves, 1.7 * all.worst() + 12.0 * lost)
                 .unwrap();
             for (near, seen) in [
                 (near.deformation, all.deformation),
@@ -482,7 +482,7 @@ fn errors_of_the_folded_sheet_are_certified() {
                 (near.twist, all.twist),
             ] {
                 assert!(
-                    (2.0 * seen..=3.2 * seen + 16.0 * lost).contains(&near),
+                    (seen..=1.6 * seen + 16.0 * lost).contains(&near),
                     "{} {kind:?}: {near:e} is not near {seen:e}, {lost:e} lost",
                     sheet.name
                 );

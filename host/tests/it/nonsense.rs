@@ -218,7 +218,7 @@ fn options_of_no_numbers_are_refused() {
         (|o, x| o.bound = x, "bound"),
         (|o, x| o.max_step = x, "max_step"),
         (|o, x| o.max_speed = x, "max_speed"),
-        (|o, x| o.max_acceleration = Some(x), "max_acceleration"),
+        (|o, x| o.max_acceleration = Some(x), "max_accel"),
         (
             |o, x| {
                 o.limits = vec![HingeLimit {

@@ -224,7 +224,7 @@ def check(
       sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals, lettered J, and the
       largest bend found is told
     - ``contact``: Depth up to which faces may overlap that touch, in median edges, at most 0.001. Without this option
-      it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit if they are
+      it follows from the digits of coordinates and goal angles: 1e-6, and ten times the unit to which they are
       rounded. In front of a small face, at most a thousandth of the face counts
     """
     given = dict(locals())

@@ -148,7 +148,7 @@ def plan(
       sheet does not fold with rigid ones. Vertices close exactly; the path turns the diagonals, lettered J, and the
       largest bend found is told
     - ``contact``: Depth up to which faces may overlap that touch, in median edges, at most 0.001. Without this option
-      it follows from the digits of the coordinates: 1e-6, and ten times the unit of the last digit if they are
+      it follows from the digits of coordinates and goal angles: 1e-6, and ten times the unit to which they are
       rounded. In front of a small face, at most a thousandth of the face counts
     - ``tolerance``: Distance within which lines of a drawing are meant to meet, in the drawing's own units. By
       default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that

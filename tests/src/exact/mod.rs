@@ -50,7 +50,7 @@ pub struct Hinge {
     pub length: i64,
     /// Multiple of the cosine of half the fold angle at both ends of the time, above 0.
     pub cos: [i64; 2],
-    /// The same multiple of the sine.
+    /// Sine of half the fold angle at both ends of the time, times the same number as its cosine.
     pub sin: [i64; 2],
 }
 
@@ -63,7 +63,7 @@ pub struct Strip {
     pub hinges: Vec<Hinge>,
 }
 
-/// What is true of the motion of a strip.
+/// Verdict of exact arithmetic on the motion of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
     /// No two panels that are not joined meet.

@@ -239,7 +239,7 @@ fn what_errors_of_many_vertices_add_up_to_is_found_by_folding() {
 #[test]
 fn a_sheet_is_planned_that_is_torn_by_nearly_the_bound() {
     let wide = Family::ALL.iter().find(|family| family.name == "wide");
-    let options = PlanOptions::default().with(|it| it.bound = 4.6e-3);
+    let options = PlanOptions::default().with(|it| it.bound = 2.3e-3);
     let plan = planned(wide.unwrap().sheet(20), &options).plan;
     assert_eq!(plan.outcome, Outcome::Planned, "{plan:?}");
     let certified = plan.certified_deformation().unwrap();

@@ -1,4 +1,4 @@
-//! Does the sweep answer as exact arithmetic does?
+//! Compares the verdicts of the sweep with those of exact arithmetic.
 
 use foldpath::collision::{Sweep, SweepOptions, SweepVerdict};
 use foldpath_core::{GroupId, Membership};
@@ -61,7 +61,8 @@ fn swept(strip: &Strip) -> SweepVerdict {
 
 #[test]
 fn sweeps_answer_as_exact_arithmetic_does() {
-    let mut counts = [[0; 3]; 3];
+    let mut counts = [[0_u32; 3]; 3];
+    let mut wrong = Vec::new();
     for seed in 0..1000 {
         let mut random = Random::stream(seed, 7);
         let hinges = random.whole(2, 4);
@@ -85,9 +86,14 @@ fn sweeps_answer_as_exact_arithmetic_does() {
             Truth::Crosses => 2,
         };
         counts[row][column] += 1;
-        if row.abs_diff(column) == 2 || row == 2 && column == 0 {
-            println!("seed {seed}: {truth:?} {verdict:?}");
+        if row.abs_diff(column) == 2 {
+            wrong.push(format!("seed {seed}: {truth:?}, not {verdict:?}"));
         }
     }
-    println!("{counts:?}");
+    println!("free, touching, crossing, each said to be free, undecided, crossing: {counts:?}");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // The queries are of all kinds, and hardly any that is free is not said to be.
+    let [free, touching, crossing] = counts.map(|row| row.iter().sum::<u32>());
+    assert!(free > 500 && touching > 20 && crossing > 50);
+    assert!(100 * counts[0][1] <= free);
 }

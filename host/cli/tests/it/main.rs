@@ -7,6 +7,7 @@ mod cli;
 mod common;
 mod cuts_and_holes;
 mod drawings;
+mod drawn_alike;
 mod drive;
 mod errors;
 mod exchange;

@@ -375,7 +375,9 @@ fn lines_of_a_map_are_folded_one_after_the_other_where_they_would_cross() {
     let goal = |[a, b]: [usize; 2]| match (a / 5, a % 5) {
         (1, _) if b == a + 1 => 180.0,
         (x, row @ 1..=3) if b == a + 5 => {
-            [140.18, 87.75, 111.87][row - 1] * if x == 0 { 1.0 } else { -1.0 }
+            // With so many digits no rounding explains the crossing.
+            let angle = [140.180_000_000_001, 87.750_000_000_001, 111.870_000_000_001];
+            angle[row - 1] * if x == 0 { 1.0 } else { -1.0 }
         }
         _ => 0.0,
     };

@@ -84,20 +84,26 @@ impl Sweep<'_> {
         if let Some(until) = self.comoving_until(nodes) {
             return self.next(until, 0.0, false);
         }
-        let chain = self
-            .approach
-            .along_tree(&self.sheet, &mut self.queue[index]);
+        // Across the side little may turn, but it is torn; along the tree nothing is torn.
+        let chains = [
+            self.approach.chain(&self.sheet, &mut self.queue[index]),
+            self.approach
+                .along_tree(&self.sheet, &mut self.queue[index]),
+        ];
         let placed = self.sheet.placed();
+        // While the creases between turn by an angle, the tear grows and the lean shrinks by that angle at most.
         let spare = side.lean(&placed, nodes) - Side::least_lean(side.turn(&placed));
-        if spare > 0.0 {
-            // While the creases between turn by an angle, the tear grows and the lean shrinks by that angle at most.
-            self.approach.gather_turns(&chain);
-            return self.after(0.0, spare / (1.0 + Side::least_lean(1.0)), false);
-        }
+        let spare = spare / (1.0 + Side::least_lean(1.0));
         let tolerance = self.allowed(&pair);
         let room = self.left_of(tolerance, nodes, 0.0);
-        self.approach.gather_corners(&mut self.sheet, &chain, nodes);
-        let outcome = self.after(0.0, room, false);
+        let mut outcome = QueryOutcome::Until(self.sheet.time);
+        for chain in chains {
+            self.approach.gather_turns(&chain);
+            let by_turn = self.after(0.0, spare - 2.0 * chain.turn, false);
+            self.approach.gather_corners(&mut self.sheet, &chain, nodes);
+            let by_depth = self.after(0.0, room - 2.0 * chain.tear, false);
+            outcome = later(outcome, later(by_turn, by_depth));
+        }
         self.at_contact(index, tolerance, 0.0, outcome)
     }
 
@@ -140,5 +146,14 @@ impl Sweep<'_> {
         let is_above = b.corners.iter().map(height).sum::<f64>() > 0.0;
         let is_folded = a.normal.dot(&b.normal) < 0.0;
         is_folded.then(|| pair.above.unwrap_or([is_above; 2]))
+    }
+}
+
+/// Returns the outcome by which a pair is free for longer.
+fn later(a: QueryOutcome, b: QueryOutcome) -> QueryOutcome {
+    match (&a, &b) {
+        (QueryOutcome::Until(first), QueryOutcome::Until(second)) if first < second => b,
+        (QueryOutcome::Until(_), QueryOutcome::Free) => b,
+        _ => a,
     }
 }

@@ -299,7 +299,7 @@ fn row(index: usize) -> u32 {
 /// Returns for each crease the largest error of its direction, radians, that follows from the precision of the
 /// coordinates.
 pub(crate) fn direction_errors(pattern: &CreasePattern) -> Vec<f64> {
-    let unit = pattern.coordinate_unit();
+    let unit = pattern.precision().length.unit();
     let least = if pattern.repairs().is_empty() {
         FULL_PRECISION_RAD
     } else {

@@ -121,7 +121,7 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
 /// Returns the largest closure residual that the last digit of the coordinates makes of a goal that closes: each
 /// sector angle of a vertex may be wrong by the errors of its two creases.
 fn rounding_of_goal(pattern: &CreasePattern) -> f64 {
-    let unit = pattern.coordinate_unit();
+    let unit = pattern.precision().length.unit();
     let vertices = pattern.real_vertices().map(|vertex| {
         let star = pattern.stars()[vertex.index()].iter();
         let lengths = star.map(|&edge| pattern.length(pattern.edge(edge).ends));

@@ -11,7 +11,8 @@ use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
-use crate::collision::contact_tolerance;
+use crate::collision::{CONTACT_EDGES, CollisionScene, contact_tolerance};
+use crate::folding::FoldingMap;
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
@@ -32,6 +33,11 @@ const FEW_CREASES: usize = 200;
 /// Largest number of creases of a sheet that is planned once more without its crease groups because it is not proved to
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
+
+/// Part of the way from which on a path nearly reaches its goal.
+const NEARLY_REACHED: f64 = 0.999;
+/// Ratio of the depth to which faces may be in each other on the way to a goal to that at the goal.
+const OVERLAP_MARGIN: f64 = 1.5;
 
 /// The first row, which the others change.
 const BASE: Row = Row {
@@ -281,14 +287,20 @@ pub fn plan_watched(
     let deadline = options
         .timeout
         .and_then(|timeout| Instant::now().checked_add(timeout));
+    let mut pattern = pattern.clone();
+    let precision = goal.precision(&pattern);
+    pattern.written_with(precision);
+    let contact = options
+        .contact
+        .unwrap_or_else(|| contact_tolerance(&pattern));
     let asked = PlanningProblem {
-        pattern: &Arc::new(pattern.clone()),
+        pattern: &Arc::new(pattern),
         goal,
         options,
         errors: ErrorModel::Exact,
         goes_near: false,
         goes_straight: false,
-        contact: (options.contact).unwrap_or_else(|| contact_tolerance(pattern)),
+        contact,
         watch: Watch::new(progress).until(deadline),
     };
     let mut attempts = Vec::new();
@@ -304,6 +316,7 @@ pub fn plan_watched(
     if is_stuck(&asked, &best) {
         best.notes.extend(note_least_bend(&context));
     }
+    best.notes.extend(note_overlap(&asked, &best));
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {
@@ -323,4 +336,18 @@ pub fn plan_watched(
         motion.phases.retain(|knot| inner.contains(knot));
     }
     best
+}
+
+/// Returns a note on how deep faces are in each other at the goal, if a path nearly reaches it, and contact could be as deep.
+fn note_overlap(asked: &PlanningProblem<'_>, best: &Plan) -> Option<Note> {
+    if !matches!(best.outcome, Outcome::Crossing(_)) || best.reached < NEARLY_REACHED {
+        return None;
+    }
+    let angles: Option<Vec<f64>> = asked.goal.fold_angles.iter().copied().collect();
+    let map = FoldingMap::new(asked.pattern, asked.pattern.tree(), &angles?);
+    let crossing = CollisionScene::new(asked.pattern).deepest_crossing(&map, 0.0)?;
+    let most = OVERLAP_MARGIN * crossing.depth / asked.pattern.median_edge();
+    CONTACT_EDGES
+        .contains(most)
+        .then_some(Note::OverlapsAtGoal(most))
 }

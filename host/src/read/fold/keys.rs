@@ -11,7 +11,7 @@ const MAX_SHOWN_CHARS: usize = 40;
 
 /// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
 /// keys of this program, which `FORMAT.md` describes.
-const KNOWN: [&str; 50] = [
+const KNOWN: [&str; 51] = [
     "edgeOrders",
     "edges_assignment",
     "edges_faces",
@@ -47,6 +47,7 @@ const KNOWN: [&str; 50] = [
     "foldpath:maxSpeed",
     "foldpath:outcome",
     "foldpath:phases",
+    "foldpath:precision",
     "foldpath:reached",
     "foldpath:seed",
     "foldpath:time",

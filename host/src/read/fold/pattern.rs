@@ -10,7 +10,8 @@ use super::keys;
 use super::measured::measured;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
 use crate::pattern::{
-    CreasePattern, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, check_goal,
+    CreasePattern, Digits, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, Precision,
+    check_goal,
 };
 use crate::progress::Watch;
 use crate::read::segments::{self, LooseLines, Segment};
@@ -95,7 +96,7 @@ fn repaired(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
-    let drawing = drawing(document, frame, goals, &mut notes)?;
+    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
     let place = match options.tolerance {
         Some(_) => "the tolerance",
         None => "straightening",
@@ -119,9 +120,13 @@ fn repaired(
             .collect::<Option<_>>()
             .ok_or_else(|| wrong("edges between vertices", "an edge to none"))?,
         notes,
+        written: written.into(),
         ..LooseLines::default()
     };
-    let file = segments::pattern_file(&document.path, lines, options, watch)?;
+    let mut file = segments::pattern_file(&document.path, lines, options, watch)?;
+    if let Some(precision) = precision(frame)? {
+        file.pattern.written_with(precision);
+    }
     let title = title(document, frame)?;
     Ok(PatternFile { title, ..file })
 }
@@ -167,7 +172,7 @@ pub(super) fn pattern_of(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
-    let drawing = drawing(document, frame, goals, &mut notes)?;
+    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
     let mut pattern =
         CreasePattern::watched(drawing, watch).map_err(|source| match (&source, goals) {
             (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
@@ -181,6 +186,12 @@ pub(super) fn pattern_of(
         })?;
     for note in notes {
         pattern.assume(note);
+    }
+    if let Some(length) = written {
+        pattern.lengths_written_with(length);
+    }
+    if let Some(precision) = precision(frame)? {
+        pattern.written_with(precision);
     }
     Ok(PatternFile {
         title: title(document, frame)?,
@@ -274,15 +285,34 @@ pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     Ok(Some(Goals { angles, frame }))
 }
 
+/// Returns the precision that a frame tells of its numbers.
+fn precision(frame: &Frame<'_>) -> Result<Option<Precision>, FileError> {
+    let Some(list) = frame.own("foldpath:precision") else {
+        return Ok(None);
+    };
+    let units = list.entries()?.map(|entry| match entry.number()? {
+        unit if (0.0..LARGEST).contains(&unit) => Ok(Digits::of_unit(unit)),
+        _ => Err(entry.expected("a unit of at least 0")),
+    });
+    match units.collect::<Result<Vec<_>, FileError>>()?[..] {
+        [length, degrees] => Ok(Some(Precision {
+            length,
+            angle: degrees.scaled(1_f64.to_radians()),
+        })),
+        _ => Err(list.expected("two units: of lengths, and of angles in degrees")),
+    }
+}
+
+/// Returns the drawing of a frame, and the precision of its coordinates if they had to be turned into a plane.
 fn drawing(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
     notes: &mut Vec<String>,
-) -> Result<Drawing, FileError> {
+) -> Result<(Drawing, Option<Digits>), FileError> {
     let points = points(frame)?;
     let faces = faces(frame)?;
-    let Some(vertices) = lay(&points, faces.as_deref(), notes) else {
+    let Some((vertices, written)) = lay(&points, faces.as_deref(), notes) else {
         return Err(document.expected("vertices_coords".into(), FLAT_PATTERN, NOT_FLAT));
     };
     let edges = edges(document, frame, faces.as_deref(), notes)?;
@@ -300,11 +330,12 @@ fn drawing(
             letter,
             goal: goals.and_then(|goals| goals.angles[index]),
         });
-    Ok(Drawing {
+    let drawing = Drawing {
         vertices,
         edges: drawn.collect(),
         faces,
-    })
+    };
+    Ok((drawing, written))
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {

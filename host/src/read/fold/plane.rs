@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::folding::in_plane;
-use crate::pattern::twice_area;
+use crate::pattern::{Digits, twice_area};
 
 /// Largest distance of a flat sheet from its plane, as a fraction of the sheet's size.
 const MAX_OFF_PLANE_RATIO: f64 = 1e-6;
@@ -14,12 +14,13 @@ pub(in crate::read) const FLAT_PATTERN: &str =
 pub(in crate::read) const NOT_FLAT: &str = "vertices that lie in no common plane";
 
 /// Returns the vertices of a flat sheet in coordinates of its plane, seen from where the faces run counter-clockwise.
+/// If they had to be turned into that plane, returns the precision of their coordinates as well.
 /// Returns `None` if the sheet is not flat. Adds the assumptions made to `notes`.
 pub(in crate::read) fn lay(
     points: &[Vector3<f64>],
     faces: Option<&[Vec<usize>]>,
     notes: &mut Vec<String>,
-) -> Option<Vec<Vector2<f64>>> {
+) -> Option<(Vec<Vector2<f64>>, Option<Digits>)> {
     let (mut vertices, level) = flatten(points)?;
     if !level {
         notes.push(
@@ -33,7 +34,8 @@ pub(in crate::read) fn lay(
     } else if clockwise {
         vertices.iter_mut().for_each(|v| v.x = -v.x);
     }
-    Some(vertices)
+    let written = || Digits::of_coordinates(points.iter().map(|&point| point.into()), |_| false);
+    Some((vertices, (!level).then(written)))
 }
 
 /// Returns `true` if the signed areas of the faces sum to a negative area. Vertices that do not exist are skipped.
