@@ -363,7 +363,7 @@ mod tests {
         close(degrees(&[70.53, -180.0]), 0.01_f64.to_radians());
         close(degrees(&[70.5, 109.47]), 0.01_f64.to_radians());
         close(degrees(&[70.5]), 0.1_f64.to_radians());
-        close(unit(&[1.5708, 1.2310]), 1e-4);
+        close(unit(&[0.9553, 1.231]), 1e-4);
         close(
             unit(&[0.3918 * core::f64::consts::PI]),
             1e-4 * core::f64::consts::PI,

@@ -23,10 +23,10 @@ fn nets() -> [Net; 2] {
     let strip = |count: usize| -> Vec<[[f64; 2]; 3]> {
         let at = |k: usize| {
             let x = f64::from(u32::try_from(k).unwrap()) / 2.0;
-            [x, if k % 2 == 0 { 0.0 } else { height }]
+            [x, if k.is_multiple_of(2) { 0.0 } else { height }]
         };
         let triangle = |k: usize| {
-            if k % 2 == 0 {
+            if k.is_multiple_of(2) {
                 [at(k), at(k + 2), at(k + 1)]
             } else {
                 [at(k), at(k + 1), at(k + 2)]

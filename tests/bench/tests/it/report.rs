@@ -34,7 +34,7 @@ fn settings(algorithm: Algorithm) -> Settings {
 fn deformation(sheet: &Sheet, configurations: &[Vec<f64>]) -> f64 {
     let at = |angles: &Vec<f64>| {
         let creases = sheet.groups.expand(angles);
-        fold_by_matrices(&sheet.pattern, &sheet.tree, &creases).deformation
+        fold_by_matrices(&sheet.pattern, sheet.pattern.tree(), &creases).deformation
     };
     configurations.iter().map(at).fold(0.0, f64::max)
 }
