@@ -25,6 +25,8 @@ const TWINS_UNITS: f64 = 2.0;
 const EQUAL_RATIO: f64 = 1e-9;
 /// Largest part of the edges that may be equally long by chance if nearly equal lengths are to show rounding.
 const MAX_TWINS_BY_CHANCE: f64 = 0.25;
+/// Number of numbers among which one of full precision is looked for before all others are.
+const PROBED: usize = 32;
 /// Sines of the least and the largest bend of a line that is meant to be straight.
 const BENT_SINES: core::ops::Range<f64> = 1e-9..1e-3;
 /// Angles that are multiples of one of these are meant as they are, degrees.
@@ -138,19 +140,29 @@ impl Digits {
     /// Returns the precision of numbers by the least decimal place in use. Programs that write a number of significant
     /// digits give small numbers more places than large ones: there the last digit of the largest number counts.
     fn written(numbers: impl Iterator<Item = f64> + Clone) -> Self {
-        let largest = numbers.clone().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let finite = numbers.filter(|x| x.is_finite()).map(f64::abs);
+        let largest = finite.clone().fold(0.0, f64::max);
+        let numbers = finite.filter(|x| *x > ZERO_RATIO * largest);
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "asks whether anything is lost"
+        )]
+        let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
+        let is_full = |x: f64| last_place(x).0 >= FULL_DIGITS;
+        let mut first = numbers.clone().take(PROBED);
+        if first.any(|x| !is_single(x) && is_full(x)) {
+            return Self::Exact;
+        }
+        // Tessellations have few different numbers, and to find the digits of one takes long.
+        let mut numbers: Vec<f64> = numbers.collect();
+        numbers.sort_unstable_by(f64::total_cmp);
+        numbers.dedup_by(|a, b| a.to_bits() == b.to_bits());
         let decade = largest.log10().floor();
-        let numbers = numbers.filter(|x| x.is_finite() && x.abs() > ZERO_RATIO * largest);
         let (mut least, mut of_large, mut large, mut longest) = (None, None, 0, 0);
-        for x in numbers.clone() {
+        for &x in &numbers {
             let (digits, place) = last_place(x);
             if digits >= FULL_DIGITS {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    reason = "asks whether anything is lost"
-                )]
-                let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
-                return if numbers.clone().all(is_single) {
+                return if numbers.iter().all(|&x| is_single(x)) {
                     Self::Single(largest * f64::from(f32::EPSILON))
                 } else {
                     Self::Exact
@@ -158,7 +170,7 @@ impl Digits {
             }
             least = least.max(Some(place));
             longest = longest.max(digits);
-            if digits >= MIN_LARGE_DIGITS && x.abs().log10().floor() >= decade {
+            if digits >= MIN_LARGE_DIGITS && x.log10().floor() >= decade {
                 of_large = of_large.max(Some(place));
                 large += 1;
             }
