@@ -58,10 +58,8 @@ impl<'a> FoldingCertifier<'a> {
         let each = parallel::total_time(self.0[0].sums.len(), TIME_PER_FACE);
         let bounds =
             parallel::try_map_mut(&mut self.0, each, |folded| folded.rigidity(curves, most))?;
-        let worst = bounds
-            .into_iter()
-            .fold(Rigidity::default(), Rigidity::worse);
-        Some(worst)
+        let bounds = bounds.into_iter();
+        Some(bounds.fold(Rigidity::default(), Rigidity::worse))
     }
 }
 

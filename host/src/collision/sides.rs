@@ -19,6 +19,9 @@ use super::pieces::{Pieces, Placed};
 use super::tolerances::SIDE_ROUNDING_RATIO;
 use crate::pattern::VertexId;
 
+/// Ratio of the lean of two pieces to the turn of their tear from which on the pieces are free.
+pub(super) const LEAN_TO_TURN_RATIO: f64 = 2.0;
+
 /// A side that two pieces share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
@@ -85,13 +88,8 @@ impl Side {
     /// Returns the least angle that the pieces have to enclose to be free, radians, if the sheet is torn at the side by at
     /// most `turn`; `None` if no angle is enough.
     pub(super) fn least_opening(&self, turn: f64) -> Option<f64> {
-        let least = Self::least_lean(turn) / self.spread;
+        let least = LEAN_TO_TURN_RATIO * turn / self.spread;
         (least <= 1.0).then(|| least.asin())
-    }
-
-    /// Returns the least lean at which pieces are free that are torn by at most `turn`.
-    pub(super) fn least_lean(turn: f64) -> f64 {
-        2.0 * turn
     }
 
     /// Returns `true` if the tear of two placed pieces may move a point of the smaller one by more than `depth`, in units of

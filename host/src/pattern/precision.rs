@@ -83,6 +83,16 @@ impl Digits {
         }
     }
 
+    /// Returns the precision that has the larger unit.
+    #[must_use]
+    pub fn coarser(self, other: Self) -> Self {
+        if other.unit() > self.unit() {
+            other
+        } else {
+            self
+        }
+    }
+
     /// Returns the precision of the coordinates of points, as they were written.
     ///
     /// The unit is the least decimal place in use. Coordinates count as exact if one of them has 14 significant digits or
@@ -130,11 +140,10 @@ impl Digits {
             let digits = Self::written(uneven.clone().map(|angle| angle / unit));
             digits.scaled(unit)
         });
-        let coarser = |a: Self, b: Self| if b.unit() > a.unit() { b } else { a };
         let decimal = written
             .into_iter()
             .filter(|digits| matches!(digits, Self::Decimal(_)));
-        decimal.reduce(coarser).unwrap_or(written[0])
+        decimal.reduce(Self::coarser).unwrap_or(written[0])
     }
 
     /// Returns the precision of numbers by the least decimal place in use. Programs that write a number of significant

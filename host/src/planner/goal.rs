@@ -109,12 +109,9 @@ impl Goal {
     pub(crate) fn precision(&self, pattern: &CreasePattern) -> Precision {
         let Precision { length, angle } = pattern.precision();
         let angle = if self.kind == GoalKind::Configuration {
-            let own = Digits::of_angles(self.fold_angles.iter().flatten().copied());
-            if own.unit() > angle.unit() {
-                own
-            } else {
-                angle
-            }
+            angle.coarser(Digits::of_angles(
+                self.fold_angles.iter().flatten().copied(),
+            ))
         } else {
             Digits::Exact
         };

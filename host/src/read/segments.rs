@@ -42,21 +42,36 @@ pub(super) struct Segment {
     pub(super) goal: Option<f64>,
 }
 
-/// The ends of lines as they were written.
-#[derive(Clone, Debug, Default)]
-pub(super) enum Written {
-    /// As they are.
-    #[default]
-    Alike,
-    /// Before a transform in single precision: its scale, and `true` if it turns.
-    Transformed(Vec<[f64; 2]>, f64, bool),
-    /// With this precision.
-    With(Digits),
+/// The ends of lines as they were written, before a transform in single precision.
+#[derive(Clone, Debug)]
+pub(super) struct Written {
+    pub(super) points: Vec<[f64; 2]>,
+    /// Factor by which the transform scales lengths.
+    pub(super) scale: f64,
+    /// `true` if the transform turns.
+    pub(super) turned: bool,
 }
 
-impl From<Option<Digits>> for Written {
-    fn from(digits: Option<Digits>) -> Self {
-        digits.map_or(Self::Alike, Self::With)
+impl Written {
+    /// Returns the ends of lines that are drawn as they were written.
+    fn as_drawn(segments: &[Segment]) -> Self {
+        let ends = segments.iter().flat_map(|segment| segment.ends);
+        Self {
+            points: ends.map(Into::into).collect(),
+            scale: 1.0,
+            turned: false,
+        }
+    }
+
+    /// Returns the precision of the coordinates of a pattern made of these lines, whose ends the transform may have moved by
+    /// `rounding`.
+    fn precision(self, pattern: &CreasePattern, rounding: f64) -> Digits {
+        let scale = self.scale;
+        let rounded = |unit: f64| pattern.looks_rounded(unit * scale);
+        match Digits::of_coordinates(self.points.into_iter(), rounded).scaled(scale) {
+            Digits::Exact if !self.turned => Digits::Exact,
+            digits => digits.coarser(Digits::Single(rounding)),
+        }
     }
 }
 
@@ -66,8 +81,8 @@ pub(super) struct LooseLines {
     pub(super) segments: Vec<Segment>,
     /// Largest distance of an end from the place where it was drawn.
     pub(super) rounding: f64,
-    /// The ends as they were written.
-    pub(super) written: Written,
+    /// The ends as they were written; `None` if they are drawn so.
+    pub(super) written: Option<Written>,
     /// `true` if y points down in the drawing. The segments have y pointing up.
     pub(super) y_down: bool,
     /// Assumptions made while reading.
@@ -101,13 +116,7 @@ pub(super) fn pattern_file(
         y_down,
         notes,
     } = lines;
-    let written = match written {
-        Written::Alike => {
-            let ends = segments.iter().flat_map(|segment| segment.ends);
-            Written::Transformed(ends.map(Into::into).collect(), 1.0, false)
-        }
-        other => other,
-    };
+    let written = written.unwrap_or_else(|| Written::as_drawn(&segments));
     let kept = (segments.len() <= MAX_SEARCHED_LINES).then(|| segments.clone());
     let reader = Reader {
         path,
@@ -121,18 +130,7 @@ pub(super) fn pattern_file(
         _ => None,
     };
     // Asked before lines are straightened: those that are bent a little show that numbers are rounded.
-    let length = match written {
-        Written::Transformed(points, scale, turned) => {
-            let rounded = |unit: f64| sheet.pattern.looks_rounded(unit * scale);
-            match Digits::of_coordinates(points.into_iter(), rounded).scaled(scale) {
-                Digits::Exact if !turned => Digits::Exact,
-                digits if digits.unit() < rounding => Digits::Single(rounding),
-                digits => digits,
-            }
-        }
-        Written::With(digits) => digits,
-        Written::Alike => Digits::Exact,
-    };
+    let length = written.precision(&sheet.pattern, rounding);
     let straightened = reader.straighten(&mut sheet, options.straighten);
     let RepairedDrawing {
         ref mut pattern,

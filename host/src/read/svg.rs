@@ -87,11 +87,11 @@ pub(super) fn parse_pattern(
     let lines = LooseLines {
         segments: segments.collect(),
         rounding: rounding.fold(0.0, f64::max),
-        written: Written::Transformed(
-            written.copied().collect(),
-            scales.fold(0.0, f64::max),
-            strokes.iter().any(|stroke| stroke.lines.turned),
-        ),
+        written: Some(Written {
+            points: written.copied().collect(),
+            scale: scales.fold(0.0, f64::max),
+            turned: strokes.iter().any(|stroke| stroke.lines.turned),
+        }),
         y_down: true,
         notes,
     };

@@ -207,7 +207,7 @@ fn panels_joined_at_a_torn_side_do_not_pass_through_each_other() {
 }
 
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes half a minute: `tests/run full` runs it"]
 fn thousands_of_torn_fans_do_not_either() {
     judge(0..2000);
 }

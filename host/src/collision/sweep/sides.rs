@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
-use crate::collision::sides::Side;
+use crate::collision::sides::{LEAN_TO_TURN_RATIO, Side};
 use crate::collision::tolerances::MIN_OPENING_RATIO;
 
 /// Bound on the tear between two pieces that share a side.
@@ -92,8 +92,8 @@ impl Sweep<'_> {
         ];
         let placed = self.sheet.placed();
         // While the creases between turn by an angle, the tear grows and the lean shrinks by that angle at most.
-        let spare = side.lean(&placed, nodes) - Side::least_lean(side.turn(&placed));
-        let spare = spare / (1.0 + Side::least_lean(1.0));
+        let spare = side.lean(&placed, nodes) - LEAN_TO_TURN_RATIO * side.turn(&placed);
+        let spare = spare / (1.0 + LEAN_TO_TURN_RATIO);
         let tolerance = self.allowed(&pair);
         let room = self.left_of(tolerance, nodes, 0.0);
         let mut outcome = QueryOutcome::Until(self.sheet.time);
@@ -114,11 +114,7 @@ impl Sweep<'_> {
         let Some(member) = tear.member else {
             return Some(QueryOutcome::Free);
         };
-        let angle = self
-            .sheet
-            .motion
-            .angle(member.group.index(), self.sheet.time);
-        let room = PI - opening - angle.abs();
+        let room = PI - opening - self.angle(member).abs();
         if room <= MIN_OPENING_RATIO * opening {
             return None;
         }
@@ -128,17 +124,20 @@ impl Sweep<'_> {
         Some(self.after(0.0, room, false))
     }
 
+    /// Returns the fold angle of a crease at the current time, radians.
+    fn angle(&self, member: Membership) -> f64 {
+        let motion = &self.sheet.motion;
+        let angle = motion.angle(member.group.index(), self.sheet.time);
+        if member.negative { -angle } else { angle }
+    }
+
     /// Returns from which sides two placed pieces came that are folded onto each other by more than a quarter turn: `true`
     /// if the second is above the first, and if the first is above the second. The crease between them tells or, if there
     /// is none, what was known before.
     fn above(&self, pair: &Pair, member: Option<Membership>) -> Option<[bool; 2]> {
         if let Some(member) = member {
-            let angle = self
-                .sheet
-                .motion
-                .angle(member.group.index(), self.sheet.time);
-            let valley = (angle > 0.0) != member.negative;
-            return (angle.abs() > FRAC_PI_2).then_some([valley; 2]);
+            let angle = self.angle(member);
+            return (angle.abs() > FRAC_PI_2).then_some([angle > 0.0; 2]);
         }
         let placed = self.sheet.placed();
         let [a, b] = pair.nodes.map(|node| placed.piece(node));

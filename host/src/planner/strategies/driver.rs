@@ -287,8 +287,8 @@ pub fn plan_watched(
     let deadline = options
         .timeout
         .and_then(|timeout| Instant::now().checked_add(timeout));
+    let precision = goal.precision(pattern);
     let mut pattern = pattern.clone();
-    let precision = goal.precision(&pattern);
     pattern.written_with(precision);
     let contact = options
         .contact

@@ -120,13 +120,10 @@ fn repaired(
             .collect::<Option<_>>()
             .ok_or_else(|| wrong("edges between vertices", "an edge to none"))?,
         notes,
-        written: written.into(),
         ..LooseLines::default()
     };
     let mut file = segments::pattern_file(&document.path, lines, options, watch)?;
-    if let Some(precision) = precision(frame)? {
-        file.pattern.written_with(precision);
-    }
+    take_precision(&mut file.pattern, frame, written)?;
     let title = title(document, frame)?;
     Ok(PatternFile { title, ..file })
 }
@@ -187,12 +184,7 @@ pub(super) fn pattern_of(
     for note in notes {
         pattern.assume(note);
     }
-    if let Some(length) = written {
-        pattern.lengths_written_with(length);
-    }
-    if let Some(precision) = precision(frame)? {
-        pattern.written_with(precision);
-    }
+    take_precision(&mut pattern, frame, written)?;
     Ok(PatternFile {
         title: title(document, frame)?,
         pattern,
@@ -285,22 +277,31 @@ pub(super) fn goals(frame: &Frame<'_>) -> Result<Option<Goals>, FileError> {
     Ok(Some(Goals { angles, frame }))
 }
 
-/// Returns the precision that a frame tells of its numbers.
-fn precision(frame: &Frame<'_>) -> Result<Option<Precision>, FileError> {
+/// Takes the precision that a frame tells of its numbers, or else that of its coordinates if they had to be turned into a
+/// plane.
+fn take_precision(
+    pattern: &mut CreasePattern,
+    frame: &Frame<'_>,
+    written: Option<Digits>,
+) -> Result<(), FileError> {
+    if let Some(length) = written {
+        pattern.lengths_written_with(length);
+    }
     let Some(list) = frame.own("foldpath:precision") else {
-        return Ok(None);
+        return Ok(());
     };
     let units = list.entries()?.map(|entry| match entry.number()? {
         unit if (0.0..LARGEST).contains(&unit) => Ok(Digits::of_unit(unit)),
         _ => Err(entry.expected("a unit of at least 0")),
     });
-    match units.collect::<Result<Vec<_>, FileError>>()?[..] {
-        [length, degrees] => Ok(Some(Precision {
-            length,
-            angle: degrees.scaled(1_f64.to_radians()),
-        })),
-        _ => Err(list.expected("two units: of lengths, and of angles in degrees")),
-    }
+    let [length, degrees] = units.collect::<Result<Vec<_>, FileError>>()?[..] else {
+        return Err(list.expected("two units: of lengths, and of angles in degrees"));
+    };
+    pattern.written_with(Precision {
+        length,
+        angle: degrees.scaled(1_f64.to_radians()),
+    });
+    Ok(())
 }
 
 /// Returns the drawing of a frame, and the precision of its coordinates if they had to be turned into a plane.
