@@ -54,8 +54,8 @@ pub(super) struct Node {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
     pub(super) nodes: Vec<Node>,
-    /// Root node of each sheet.
-    pub(super) roots: Vec<u32>,
+    /// The node of all pieces; `None` without clusters.
+    pub(super) root: Option<u32>,
     /// For each piece a circle round it in the flat sheet: centre and radius.
     pub(super) circles: Vec<(Vector2<f64>, f64)>,
 }
@@ -115,6 +115,8 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn join(&mut self) {
         let mut open: Vec<u32> = (0..).take(self.members.len()).collect();
+        // The node of each sheet.
+        let mut sheets = Vec::new();
         while !open.is_empty() {
             let (mut next, mut fresh) = (Vec::new(), self.hierarchy.nodes.len());
             open.sort_by_key(|&node| self.hierarchy.nodes[node as usize].pieces);
@@ -125,7 +127,7 @@ impl Builder<'_> {
                 }
                 match self.partner(node, fresh) {
                     Some(partner) => self.merge(node, partner),
-                    None => self.hierarchy.roots.push(node),
+                    None => sheets.push(node),
                 }
             }
             while fresh < self.members.len() {
@@ -136,6 +138,10 @@ impl Builder<'_> {
             }
             open = next;
         }
+        self.hierarchy.root = sheets.into_iter().reduce(|all, sheet| {
+            self.merge(all, sheet);
+            FaceId::new(self.members.len() - 1).0
+        });
     }
 
     /// Returns the neighbour of a cluster with the nearest centre; one not yet joined on this level, if there is one.

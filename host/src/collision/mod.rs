@@ -10,7 +10,6 @@
 //! | place | pairs | what keeps them from crossing |
 //! |---|---|---|
 //! | `Pieces::comparable`, `Sweep::classify` | of one face | they move as one |
-//! | `Pieces::comparable`, `Hierarchy::roots` | of different sheets | nothing: where sheets lie is not modelled |
 //! | `Sweep::classify_side` | joined at a side | the tear moves no point of the smaller piece farther than contact; they turn about the side, by half a turn at most (`Sweep::overturned`) |
 //! | `Sweep::open_until` | joined at a side that is torn by more | the angle between them is so large that the tear cannot move one into the other (`sides.rs`) |
 //! | `Side::may_cross` | joined at a side, at one configuration | the measured tear moves no point of the smaller piece farther than contact |

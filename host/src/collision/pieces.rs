@@ -68,7 +68,6 @@ impl Contact {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) face: FaceId,
-    pub(super) sheet: u32,
     /// Range of the list of corners that belongs to this piece.
     start: u32,
     end: u32,
@@ -117,10 +116,10 @@ impl Pieces {
         pieces
     }
 
-    /// Returns the faces of two pieces if they are different faces of the same sheet.
+    /// Returns the faces of two pieces if they are different.
     pub(super) fn comparable(&self, a: u32, b: u32) -> Option<[FaceId; 2]> {
-        let [a, b] = [a, b].map(|piece| self.list[piece as usize]);
-        (a.sheet == b.sheet && a.face != b.face).then_some([a.face, b.face])
+        let [a, b] = [a, b].map(|piece| self.list[piece as usize].face);
+        (a != b).then_some([a, b])
     }
 
     /// Returns an empty list, to which `load` adds the pieces of a face on request.
@@ -163,12 +162,7 @@ impl Pieces {
         let flat = piece.iter().map(|v| pattern.vertices()[v.index()]);
         self.flat.extend(flat);
         let [start, end] = [start, self.vertices.len()].map(|n| VertexId::new(n).0);
-        self.list.push(Piece {
-            face,
-            sheet: pattern.sheet_of_faces()[face.index()],
-            start,
-            end,
-        });
+        self.list.push(Piece { face, start, end });
         self.joints_of.push(None);
     }
 
@@ -239,13 +233,10 @@ impl Pieces {
         both.collect()
     }
 
-    /// Returns the number of pairs of pieces of the same sheet.
-    pub(super) fn pairs(&self, sheets: usize) -> u64 {
-        let mut in_sheet = vec![0_u64; sheets];
-        for piece in &self.list {
-            in_sheet[piece.sheet as usize] += 1;
-        }
-        in_sheet.iter().map(|n| n * n.saturating_sub(1) / 2).sum()
+    /// Returns the number of pairs of pieces.
+    pub(super) fn pairs(&self) -> u64 {
+        let count = self.list.len() as u64;
+        count * count.saturating_sub(1) / 2
     }
 
     /// Returns the pairs of pieces that share a side, each once. All pieces have to be cut and joined.
@@ -278,7 +269,7 @@ impl Pieces {
         self.joints(a).iter().any(|joint| joint.piece == b)
     }
 
-    /// Returns the pairs of pieces of the same sheet that [`meet`](Self::meet), each once.
+    /// Returns the pairs of pieces that [`meet`](Self::meet), each once.
     pub(super) fn touching(&self) -> Vec<[u32; 2]> {
         let mut corners: Vec<_> = (0..)
             .zip(&self.list)
@@ -294,9 +285,7 @@ impl Pieces {
             let pairs = at.iter().enumerate();
             pairs.flat_map(move |(k, (_, a))| at[k + 1..].iter().map(move |(_, b)| [*a, *b]))
         });
-        let sheet = |piece: u32| self.list[piece as usize].sheet;
-        let same = |[a, b]: &[u32; 2]| a != b && sheet(*a) == sheet(*b);
-        let mut pairs: Vec<_> = pairs.filter(same).collect();
+        let mut pairs: Vec<_> = pairs.filter(|[a, b]| a != b).collect();
         pairs.sort_unstable();
         pairs.dedup();
         pairs

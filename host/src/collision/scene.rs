@@ -38,7 +38,7 @@ impl Crossing {
     }
 }
 
-/// The faces of a pattern, to be searched for crossings. Faces of different sheets are not compared.
+/// The faces of a pattern, to be searched for crossings.
 #[derive(Clone)]
 pub struct CollisionScene {
     pieces: Pieces,
@@ -66,7 +66,7 @@ impl CollisionScene {
             hierarchy: Bvh::new(),
             workspace: BvhWorkspace::default(),
             counts: SweepCounts::default(),
-            pairs: pieces.pairs(pattern.sheets()) - pieces.joined_pairs().len() as u64,
+            pairs: pieces.pairs() - pieces.joined_pairs().len() as u64,
             sides: pieces.sides(),
             pieces,
         }

@@ -22,9 +22,24 @@ pub fn align_sheets(
     laid
 }
 
+/// Returns the rigid motion of the shape `a` of a pattern's vertices onto its shape `b`, as [`fit`] does. Vertices without a
+/// face count for nothing.
+pub(crate) fn fit_sheets(
+    pattern: &CreasePattern,
+    a: &[Vector3<f64>],
+    b: &[Vector3<f64>],
+) -> (Matrix3<f64>, [Vector3<f64>; 2]) {
+    let used = |shape: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+        let points = shape.iter().zip(pattern.corners().iter());
+        let used = points.filter(|(_, faces)| !faces.is_empty());
+        used.map(|(point, _)| *point).collect()
+    };
+    fit(&used(a), &used(b))
+}
+
 /// Returns for each sheet the positions of its vertices in the list of all vertices. Vertices without a face
 /// belong to no sheet.
-pub(crate) fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
+fn vertices_of_sheets(pattern: &CreasePattern) -> Vec<Vec<usize>> {
     let mut sheets = vec![Vec::new(); pattern.sheets()];
     for (vertex, faces) in pattern.corners().iter().enumerate() {
         if let Some(face) = faces.first() {

@@ -18,7 +18,7 @@ mod shapes;
 pub use amplification::{amplification, worst_amplification};
 pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
-pub(crate) use fit::vertices_of_sheets;
+pub(crate) use fit::fit_sheets;
 pub use fit::{align_rigid, align_sheets, fit};
 pub(crate) use hinge::{Hinge, Product, half_angle, place_all};
 pub(crate) use lazy::LazyFolding;

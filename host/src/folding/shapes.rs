@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{FoldingMap, SpanningTree, align_sheets};
+use super::{FoldingMap, SpanningTree, fit_sheets};
 use crate::motion::Motion;
 use crate::util::nan_max::largest;
 
@@ -12,14 +12,19 @@ pub const STEP: f64 = 0.1;
 
 /// Returns the folded positions of the vertices at each knot: those that are stored, or else those of the folding map.
 ///
-/// Each shape is aligned with the one before by rigid registration, the first one with the flat sheet, so that every
-/// sheet as a whole stays where it is while it folds. Cost: O(faces) for each knot.
+/// Each shape is aligned with the one before by rigid registration, the first one with the flat sheet, so that the
+/// whole stays where it is while it folds. Cost: O(faces) for each knot.
 pub fn shapes(motion: &Motion) -> impl Iterator<Item = Vec<Vector3<f64>>> {
     let pattern = &motion.pattern;
     let tree = pattern.tree();
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
     (0..motion.knots.len()).scan(flat, move |before, knot| {
-        *before = align_sheets(pattern, &positions(motion, tree, knot), before);
+        let shape = positions(motion, tree, knot);
+        let (r_ba, [from, to]) = fit_sheets(pattern, &shape, before);
+        *before = shape
+            .iter()
+            .map(|point| r_ba * (point - from) + to)
+            .collect();
         Some(before.clone())
     })
 }

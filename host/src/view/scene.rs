@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::{Scene, SceneCause, SceneMotion, SceneShape, SceneShortfall};
 use crate::check::{MergedGroups, WorstPair, clearances_until_over, differing_hinge, measure};
-use crate::folding::{FoldingMap, STEP, SpanningTree, fit, vertices_of_sheets};
+use crate::folding::{FoldingMap, STEP, SpanningTree, fit_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
 use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use crate::planner::{Cause, Outcome, forecast};
@@ -185,35 +185,25 @@ fn steps(pattern: &CreasePattern, tree: &SpanningTree) -> Vec<[u32; 4]> {
 }
 
 /// Returns the pose of each sheet in each shape. Each shape is registered rigidly to the shape before, starting from
-/// the flat sheet, so that every sheet as a whole stays where it is while it folds.
+/// the flat sheet, so that the whole stays where it is while it folds.
 fn places(shapes: &Motion, tree: &SpanningTree) -> Vec<Vec<[f64; 7]>> {
     let pattern = &shapes.pattern;
     let mut map = FoldingMap::flat(pattern);
-    let mut of_sheets = vertices_of_sheets(pattern);
-    let sheets = tree.roots().iter().map(|root| {
-        let sheet = pattern.sheet_of_faces()[root.index()] as usize;
-        (*root, core::mem::take(&mut of_sheets[sheet]))
-    });
-    let sheets: Vec<(FaceId, Vec<usize>)> = sheets.collect();
     let mut before = map.vertices().to_vec();
     let knots = (0..shapes.knots.len()).map(|knot| {
         map.fold(pattern, tree, &shapes.crease_angles(knot));
-        let place = |(root, sheet): &(FaceId, Vec<usize>)| {
-            let of =
-                |shape: &[Vector3<f64>]| -> Vec<_> { sheet.iter().map(|&v| shape[v]).collect() };
-            let (r_wf, [from, to]) = fit(&of(map.vertices()), &of(&before));
-            let laid = |point: &Vector3<f64>| r_wf * (point - from) + to;
-            for &vertex in sheet {
-                before[vertex] = laid(&map.vertices()[vertex]);
-            }
-            // The folding map leaves the root face where it is drawn.
+        let (r_wf, [from, to]) = fit_sheets(pattern, map.vertices(), &before);
+        let laid = |point: &Vector3<f64>| r_wf * (point - from) + to;
+        before = map.vertices().iter().map(laid).collect();
+        let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r_wf));
+        // The folding map leaves the root faces where they are drawn.
+        let place = |root: &FaceId| {
             let first = pattern.triangles()[root.index()].first();
             let pivot = first.map_or(Vector3::zeros(), |corners| pattern.point(corners[0]));
-            let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r_wf));
             let p = laid(&pivot);
             [q.w, q.i, q.j, q.k, p.x, p.y, p.z]
         };
-        sheets.iter().map(place).collect()
+        tree.roots().iter().map(place).collect()
     });
     knots.collect()
 }

@@ -76,7 +76,7 @@ impl Answer {
 
 /// Numbers of pairs of pieces at one configuration.
 pub(super) struct PairCounts {
-    /// All pairs of the same sheet.
+    /// All pairs.
     pub(super) all: u64,
     /// Pairs for which no other pair stands.
     pub(super) representative: u64,

@@ -17,7 +17,6 @@ pub(in crate::collision) struct SheetPairs {
     folding: LazyFolding,
     /// `None` if all pairs are followed one by one.
     broad_phase: Option<IntervalBroadPhase>,
-    sheets: usize,
     /// Number of pairs of pieces that do not touch each other in the flat sheet.
     others: u64,
 }
@@ -35,7 +34,6 @@ impl SheetPairs {
         Self {
             folding: LazyFolding::new(pattern.tree(), memberships),
             broad_phase: skips.then(broad_phase),
-            sheets: pattern.sheets(),
             others: 0,
         }
     }
@@ -47,7 +45,7 @@ impl PairSource for SheetPairs {
         let broad_phase = self.broad_phase.as_mut()?;
         broad_phase.begin(motion, pieces);
         let touching = pieces.touching();
-        self.others = pieces.pairs(self.sheets) - touching.len() as u64;
+        self.others = pieces.pairs() - touching.len() as u64;
         Some((Batch::Interval, touching))
     }
 
@@ -123,7 +121,7 @@ impl PairSource for SheetPairs {
     }
 
     fn count(&self, pieces: &Pieces) -> PairCounts {
-        let all = pieces.pairs(self.sheets);
+        let all = pieces.pairs();
         PairCounts {
             all,
             representative: all,

@@ -70,10 +70,9 @@ impl Sweep<'_> {
         }
     }
 
-    /// Adds all pairs of each sheet, by its root cluster.
-    pub(super) fn add_roots(&mut self, time: Tick) {
-        let roots = self.sheet.hierarchy.roots.clone();
-        for root in roots {
+    /// Adds all pairs, by the cluster of all pieces.
+    pub(super) fn add_root(&mut self, time: Tick) {
+        if let Some(root) = self.sheet.hierarchy.root {
             self.add([root, root], time);
         }
     }

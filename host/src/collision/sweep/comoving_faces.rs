@@ -134,6 +134,9 @@ pub(super) fn comoving_faces(
         tolerance,
         nearly: false,
     };
+    for roots in pattern.tree().roots().windows(2) {
+        bodies.join([roots[0].index(), roots[1].index()], 0.0);
+    }
     let mut hinges = Vec::new();
     let mut torn_edges = Vec::new();
     for (index, edge) in pattern.edges().iter().enumerate() {

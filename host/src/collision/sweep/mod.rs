@@ -222,7 +222,7 @@ impl<'a> Sweep<'a> {
                     self.add(pair, 0);
                 }
             }
-            None => self.add_roots(0),
+            None => self.add_root(0),
         }
     }
 

@@ -50,7 +50,7 @@ impl Sweep<'_> {
         }
         self.found.counts.skipped_bounds += answer.skipped.saturating_sub(measured);
         if answer.clusters {
-            self.add_roots(time);
+            self.add_root(time);
         }
         let (pieces, interval) = &answer.pieces;
         if !self.add_unseen(pieces, *interval) {

@@ -61,25 +61,26 @@ impl TornSheet {
         sheet
     }
 
-    /// Returns the creases on the way along the tree from a face to another, each with the face beyond; `None` if the
-    /// faces are in different sheets.
-    fn way(&self, faces: [FaceId; 2]) -> Option<Way> {
+    /// Returns the creases on the way along the tree from a face to another, each with the face beyond. Between sheets the
+    /// way leads from root to root, which are at rest relative to each other.
+    fn way(&self, faces: [FaceId; 2]) -> Way {
         let top = |face: FaceId| self.tops[face.index()];
         let [mut from, mut to] = faces.map(top);
         let (mut way, mut back) = (Vec::new(), Vec::new());
         while from != to {
             if self.depths[from.index()] >= self.depths[to.index()] {
-                let step = self.steps[from.index()]?;
+                let Some(step) = self.steps[from.index()] else {
+                    break;
+                };
                 way.push((step.edge, step.parent));
                 from = top(step.parent);
-            } else {
-                let step = self.steps[to.index()]?;
+            } else if let Some(step) = self.steps[to.index()] {
                 back.push((step.edge, to));
                 to = top(step.parent);
             }
         }
         way.extend(back.into_iter().rev());
-        Some(way)
+        way
     }
 }
 
@@ -195,11 +196,12 @@ impl<'a> Ways<'a> {
         others
     }
 
-    /// Returns a shortest way from a face to another of the same sheet, with few creases that turn and with
-    /// few bends; round a vertex, if one is given. Returns `None` if no way joins them. Cost: O(n log n) for
-    /// n faces not farther away; the length of the way where faces are joined without loops.
+    /// Returns a shortest way from a face to another, with few creases that turn and with few bends; round a vertex, if
+    /// one is given. Between sheets it is the way along the tree. Returns `None` if no way joins them. Cost: O(n log n)
+    /// for n faces not farther away; the length of the way where faces are joined without loops.
     pub(super) fn find(&mut self, [from, to]: [FaceId; 2], round: Option<VertexId>) -> Option<Way> {
-        if round.is_none() && self.is_simple() {
+        let [one, other] = [from, to].map(|face| self.pattern.sheet_of_faces()[face.index()]);
+        if round.is_none() && (self.is_simple() || one != other) {
             return self.along_tree([from, to]);
         }
         let mut search = core::mem::take(&mut self.searched);
@@ -219,10 +221,10 @@ impl<'a> Ways<'a> {
         way
     }
 
-    /// Returns the way from a face to another along the spanning tree, on which nothing is torn. Returns `None` if no way
-    /// joins them, or there is no tree. Cost: O(length of the way).
+    /// Returns the way from a face to another along the spanning tree, on which nothing is torn. Returns `None` if there
+    /// is no tree. Cost: O(length of the way).
     pub(super) fn along_tree(&self, faces: [FaceId; 2]) -> Option<Way> {
-        self.torn.as_ref()?.way(faces)
+        Some(self.torn.as_ref()?.way(faces))
     }
 
     /// Returns `true` if the way along the tree is the only one.

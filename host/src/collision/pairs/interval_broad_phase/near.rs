@@ -37,7 +37,7 @@ impl IntervalBroadPhase {
     ) {
         let mut open = core::mem::take(&mut self.open);
         open.clear();
-        open.extend(hierarchy.roots.iter().rev().map(|&root| [root, root]));
+        open.extend(hierarchy.root.map(|root| [root, root]));
         if !parallel::is_shared(self.boxes.len(), TIME_PER_CLUSTER) {
             self.split::<1>(hierarchy, &mut open, [touching, within], |pair, _| {
                 if let Some(tested) = test(self, pair) {
