@@ -1,6 +1,7 @@
 //! Campaigns: do all answers hold on many seeded inputs? Sheets of the [`meshes`] are planned, then judged by `check`
 //! and by the oracle. Random [`stars`], random [`paths`] and motions of [`torn`] sheets are judged as well.
 
+pub mod drawn;
 mod follow;
 pub mod paths;
 pub mod stars;

@@ -1,0 +1,53 @@
+//! One sheet gets one verdict, in whichever way it is drawn.
+
+use core::time::Duration;
+
+use foldpath_tests::campaign::Family;
+use foldpath_tests::campaign::drawn::{families, run};
+
+/// Time for a plan. What is not decided within it is not compared.
+const TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Draws `count` sheets of families with these names, or of all families, and compares the verdicts.
+fn alike(names: &[&str], count: usize) {
+    let is_asked = |family: &&Family| names.is_empty() || names.contains(&family.name);
+    let families: Vec<&Family> = families().filter(is_asked).collect();
+    let drawn = run(&families, 1, count, TIMEOUT);
+    println!(
+        "{} sheets, {} planned; {} drawings compared, {} ran out of time, {} differ",
+        drawn.sheets,
+        drawn.planned,
+        drawn.drawings,
+        drawn.late,
+        drawn.differences.len()
+    );
+    for difference in &drawn.differences {
+        println!("{difference}");
+    }
+    assert_eq!(drawn.differences, [""; 0]);
+    assert!(2 * drawn.planned > drawn.sheets, "{drawn:?}");
+}
+
+#[test]
+fn sheets_get_one_verdict_in_all_drawings() {
+    alike(&[], 36);
+}
+
+/// The long form, in the full tier.
+#[test]
+#[ignore = "takes minutes"]
+fn many_sheets_get_one_verdict_in_all_drawings() {
+    alike(&[], 300);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_folds_through_all_layers_get_one_verdict_in_all_drawings() {
+    alike(&["simple-folds"], 200);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_nets_get_one_verdict_in_all_drawings() {
+    alike(&["net"], 60);
+}
