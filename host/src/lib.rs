@@ -175,6 +175,7 @@ pub mod planner;
 pub mod plot;
 pub mod read;
 pub mod request;
+mod straighten;
 #[cfg(feature = "stream")]
 pub mod stream;
 pub mod symmetry;

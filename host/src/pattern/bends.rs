@@ -1,6 +1,7 @@
 //! Panels that bend: patterns whose faces are cut along diagonals that turn.
 
-use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, Letter, VertexId};
+use super::{CreasePattern, DrawnEdge, EdgeId, Letter, VertexId};
+use crate::util::progress::Watch;
 use crate::util::range::Range;
 
 /// Bend of a panel that a user may allow.
@@ -44,7 +45,7 @@ impl CreasePattern {
             diagonals.extend(cut_off.iter().map(|&[a, _, c]| [a, c]));
             faces.extend(triangles.iter().map(|&triangle| Vec::from(triangle)));
         }
-        self.redrawn(faces, diagonals, |edge| {
+        self.bent(faces, diagonals, |edge| {
             self.edge(edge).letter == Letter::Join
         })
     }
@@ -53,7 +54,7 @@ impl CreasePattern {
     /// `None` if the sheet is cut, or none of them is such an edge.
     pub(crate) fn bent_along(&self, bends: &[bool]) -> Option<Self> {
         let faces = self.faces.iter().map(<[VertexId]>::to_vec).collect();
-        self.redrawn(faces, Vec::new(), |edge| {
+        self.bent(faces, Vec::new(), |edge| {
             bends.get(edge.index()) == Some(&true) && self.edge(edge).letter == Letter::Join
         })
     }
@@ -65,46 +66,35 @@ impl CreasePattern {
 
     /// Draws the pattern again with these faces, with bends along these diagonals and along the edges for which `bends`
     /// is true.
-    fn redrawn(
+    fn bent(
         &self,
         faces: Vec<Vec<VertexId>>,
         diagonals: Vec<[VertexId; 2]>,
         bends: impl Fn(EdgeId) -> bool,
     ) -> Option<Self> {
-        let is_cut = self.edges.len() > self.drawn || !self.slits.is_empty() || self.sheets() > 1;
-        let bent = |(index, edge): (usize, &super::Edge)| DrawnEdge {
-            ends: edge.ends.map(VertexId::index),
-            letter: if edge.inner_faces().is_some() && bends(EdgeId::new(index)) {
-                Letter::Bend
-            } else {
-                edge.letter
-            },
-            goal: edge.goal,
-        };
-        let mut edges: Vec<DrawnEdge> = self.edges.iter().enumerate().map(bent).collect();
-        edges.extend(diagonals.into_iter().map(|ends| DrawnEdge {
-            ends: ends.map(VertexId::index),
-            letter: Letter::Bend,
-            goal: None,
-        }));
-        if is_cut || !edges.iter().any(|edge| edge.letter == Letter::Bend) {
+        let mut drawing = self.drawing();
+        for (index, (drawn, edge)) in drawing.edges.iter_mut().zip(&self.edges).enumerate() {
+            if edge.inner_faces().is_some() && bends(EdgeId::new(index)) {
+                drawn.letter = Letter::Bend;
+            }
+        }
+        drawing
+            .edges
+            .extend(diagonals.into_iter().map(|ends| DrawnEdge {
+                ends: ends.map(VertexId::index),
+                letter: Letter::Bend,
+                goal: None,
+            }));
+        let is_bent = drawing.edges.iter().any(|edge| edge.letter == Letter::Bend);
+        if self.is_cut() || !is_bent {
             return None;
         }
-        let drawing = Drawing {
-            vertices: self.vertices.clone(),
-            edges,
-            faces: Some(
-                faces
-                    .into_iter()
-                    .map(|face| face.into_iter().map(VertexId::index).collect())
-                    .collect(),
-            ),
-        };
-        let mut pattern = Self::new(drawing).ok()?;
-        pattern.assumptions.clone_from(&self.assumptions);
-        pattern.repairs.clone_from(&self.repairs);
-        pattern.y_down = self.y_down;
-        pattern.written_with(self.precision());
+        let faces = faces.iter();
+        let corners = |face: &Vec<VertexId>| face.iter().map(|corner| corner.index()).collect();
+        drawing.faces = Some(faces.map(corners).collect());
+        let drawn = drawing.edges.len();
+        let mut pattern = self.redrawn(drawing, Watch::default()).ok()?;
+        pattern.drawn = drawn;
         Some(pattern)
     }
 }

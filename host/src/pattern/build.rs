@@ -29,7 +29,7 @@ impl CreasePattern {
     pub(crate) fn watched(mut drawing: Drawing, watch: Watch<'_>) -> Result<Self, PatternError> {
         check_lists(&drawing)?;
         let mut assumptions = Vec::new();
-        let places = places(&drawing, &mut assumptions);
+        let places = checked_places(&drawing, &mut assumptions);
         planarity::check(&drawing, &places, watch)?;
         let mut stars = sorted_stars(&drawing);
         let traced = drawing.faces.is_none();
@@ -82,6 +82,7 @@ impl CreasePattern {
             repairs: Vec::new(),
             lost: None,
             y_down: false,
+            straightens_within: None,
             tree: OnceLock::new(),
             precision: OnceLock::new(),
         };
@@ -90,8 +91,7 @@ impl CreasePattern {
         pattern.holes = pattern.find_holes();
         if pattern.sheets() > 1 {
             pattern.assume(format!(
-                "{} sheets that no edge joins: each stays where it is drawn, and faces of different \
-                 sheets are not looked at for crossings",
+                "{} sheets that no edge joins: the middle face of each stays where it is drawn",
                 pattern.sheets()
             ));
         }
@@ -259,29 +259,31 @@ fn counter_clockwise_faces(
 
 /// Returns for each vertex the first vertex at its place. Vertices may share a place only if the drawing names its
 /// faces, as on the two sides of a cut: then only the faces determine which parts are connected.
-fn places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
-    let mut places: Vec<usize> = (0..drawing.vertices.len()).collect();
+fn checked_places(drawing: &Drawing, assumptions: &mut Vec<String>) -> Vec<usize> {
     if drawing.faces.is_none() {
-        return places;
+        return (0..drawing.vertices.len()).collect();
     }
-    let mut first_at = HashMap::with_capacity(places.len());
-    let (mut count, mut first) = (0_usize, None);
-    for (vertex, point) in drawing.vertices.iter().enumerate() {
-        // Adding 0 turns a negative zero into zero.
-        let bits = [point.x, point.y].map(|c| (c + 0.0).to_bits());
-        places[vertex] = *first_at.entry(bits).or_insert(vertex);
-        if places[vertex] != vertex {
-            count += 1;
-            first.get_or_insert(vertex);
-        }
-    }
-    if let Some(first) = first {
+    let places = places(&drawing.vertices);
+    let places_of = places.iter().enumerate();
+    let mut again = places_of.filter(|(vertex, place)| vertex != *place);
+    if let Some((first, _)) = again.next() {
         assumptions.push(format!(
-            "vertices at the place of another, the sheet taken as cut there: {count} (first: vertex \
-             {first})"
+            "vertices at the place of another, the sheet taken as cut there: {} (first: vertex {first})",
+            again.count() + 1
         ));
     }
     places
+}
+
+/// Returns for each vertex the first vertex at its place.
+pub(crate) fn places(vertices: &[Vector2<f64>]) -> Vec<usize> {
+    let mut first_at = HashMap::with_capacity(vertices.len());
+    let places = vertices.iter().enumerate().map(|(vertex, point)| {
+        // Adding 0 turns a negative zero into zero.
+        let bits = [point.x, point.y].map(|c| (c + 0.0).to_bits());
+        *first_at.entry(bits).or_insert(vertex)
+    });
+    places.collect()
 }
 
 /// Returns the faces to the left and right of each edge.

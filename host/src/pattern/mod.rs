@@ -15,6 +15,7 @@ mod lost;
 mod model;
 mod planarity;
 mod precision;
+mod redraw;
 mod rigidity;
 mod split;
 mod trace;
@@ -23,7 +24,7 @@ mod triangulate;
 
 pub use bends::BEND_DEG;
 pub(crate) use bends::Diagonals;
-pub(crate) use build::{LARGEST, check_goal};
+pub(crate) use build::{LARGEST, check_goal, places};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
 pub use flat_folding::FlatFlaw;
 pub use holes::Passage;

@@ -65,6 +65,7 @@ pub struct CreasePattern {
     pub(super) repairs: Vec<String>,
     pub(super) lost: Option<LostLines>,
     pub(super) y_down: bool,
+    pub(super) straightens_within: Option<f64>,
     /// The spanning tree of the faces, once requested.
     pub(super) tree: OnceLock<SpanningTree>,
     /// The precision with which the pattern was written, once told or requested.

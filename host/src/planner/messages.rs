@@ -237,6 +237,9 @@ impl Display for Note {
                 "{branches} first steps found that leave the flat sheet with these signs; the path takes that which \
                  leads farthest"
             ),
+            Self::Straightened(how) => {
+                write!(f, "{how}, as the sheet does not fold as it is drawn")
+            }
             Self::FoundAtRandom => f.write_str("the path was found by the randomised search"),
             Self::Snapped { turned } => write!(
                 f,

@@ -70,6 +70,7 @@ mod reason;
 mod strategies;
 mod vectors;
 
+pub use crate::straighten::Straightened;
 pub use closing::sparse::SparseNormalEquations;
 pub use foldability::cause::{Cause, CauseKind};
 pub use foldability::forecast::{Foldability, Forecast, forecast};

@@ -212,6 +212,8 @@ pub enum Strategy {
     WayRound,
     /// The sheet is taken to the closed configuration nearest to the goal, however far from it.
     NearestConfiguration,
+    /// The sheet is straightened, and planned like any other.
+    Straightened,
     /// Crease groups or every crease, with other random numbers.
     OtherSeed,
     /// Lines from border to border turn alone.
@@ -236,6 +238,7 @@ impl Strategy {
             Self::FoldSequence => "folds in sequence",
             Self::WayRound => "a way round crossings",
             Self::NearestConfiguration => "nearest configuration",
+            Self::Straightened => "straightened sheet",
             Self::OtherSeed => "another seed",
             Self::LinesAlone => "lines alone",
             Self::BendingPanels => "panels that bend",

@@ -3,6 +3,7 @@
 
 use crate::folding::Rigidity;
 use crate::pattern::{ClosureSite, EdgeId, FaceId};
+use crate::straighten::Straightened;
 
 /// Reason why path following stops before its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,6 +213,8 @@ pub enum Note {
     },
     /// There are several ways to leave the flat sheet.
     Branches(usize),
+    /// The sheet does not fold as it is drawn; the path is that of the straightened one.
+    Straightened(Straightened),
     /// The path was found by the randomised search.
     FoundAtRandom,
     /// Creases count as turned, so that the sheet folds flat exactly.

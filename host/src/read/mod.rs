@@ -27,7 +27,9 @@ pub use error::FileError;
 pub use format::Format;
 pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten, TOLERANCE};
 
+use crate::pattern::CreasePattern;
 use crate::progress::{Progress, Stage, Watch};
+use crate::straighten::{self, straightened};
 use crate::unfold::FoldedShape;
 
 /// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp`, `.opx` or `.obj`;
@@ -111,7 +113,7 @@ fn parse_within(
 ) -> Result<fold::PatternFile, FileError> {
     let format = options.format.unwrap_or_else(|| Format::of_name(path));
     options.check(path, format)?;
-    match format {
+    let mut file = match format {
         #[cfg(feature = "svg")]
         Format::Svg => svg::parse_pattern(path, text(path, bytes)?, options, watch),
         #[cfg(feature = "svg")]
@@ -125,7 +127,33 @@ fn parse_within(
         Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
+    }?;
+    file.pattern = straightened_as_asked(file.pattern, options, watch);
+    Ok(file)
+}
+
+/// Straightens a pattern, or notes within which tolerance that may be done if it does not fold as it is.
+fn straightened_as_asked(
+    mut pattern: CreasePattern,
+    options: &ReadOptions,
+    watch: Watch<'_>,
+) -> CreasePattern {
+    let of_lines = pattern.straightens_within().unwrap_or_default();
+    let usual = straighten::tolerance(&pattern).max(of_lines);
+    let asked = options.tolerance.unwrap_or(usual);
+    pattern.straighten_within(None);
+    match options.straighten {
+        Straighten::Off => {}
+        // A large tolerance says that lines end in the wrong places, not that their directions are wrong.
+        Straighten::Auto => pattern.straighten_within(Some(asked.min(usual))),
+        Straighten::On => {
+            if let Some((mut straight, how)) = straightened(&pattern, asked, watch) {
+                straight.repaired(how.to_string());
+                return straight;
+            }
+        }
     }
+    pattern
 }
 
 /// Reads all bytes of a file. Reading stops after `most` + 1 bytes, because a device may deliver bytes without end.

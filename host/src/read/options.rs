@@ -21,7 +21,7 @@ pub struct ReadOptions {
     /// Largest distance between lines of a drawing that are meant to meet, in the drawing's own units; positive and
     /// finite. Without it, the tolerance follows from the lengths of the lines.
     pub tolerance: Option<f64>,
-    /// Drawings that are straightened.
+    /// Patterns that are straightened.
     pub straighten: Straighten,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
@@ -29,17 +29,17 @@ pub struct ReadOptions {
 
 crate::util::changed_one_by_one!(ReadOptions);
 
-/// Drawings whose vertices are moved a little, by at most twice the tolerance, so that lines that are nearly straight or
-/// parallel are so exactly, and so that vertices and holes fold flat that nearly do.
+/// Patterns whose vertices are moved a little, by at most twice a tolerance, so that lines that are nearly straight or
+/// parallel are so exactly, and so that vertices and holes fold flat that nearly do. The tolerance is that of drawings,
+/// 10⁻³ of the median edge but at most 10⁻⁴ of the diagonal, or the unit to which coordinates are rounded if that is more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Straighten {
-    /// Drawings in which some vertex is off by more than a tenth of the usual tolerance, within that tolerance. The
-    /// rounding of coordinates is less, and planning takes it into account.
+    /// Those that do not fold as they are.
     #[default]
     Auto,
-    /// All drawings in which a vertex is off, if only by the rounding of its coordinates, within
-    /// [`ReadOptions::tolerance`].
+    /// All in which a vertex is off, before anything else is done with them; within [`ReadOptions::tolerance`] if there is
+    /// one.
     On,
     /// None.
     Off,
@@ -68,10 +68,6 @@ impl ReadOptions {
                 let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
-        }
-        if self.straighten == Straighten::On && format == Format::Obj {
-            let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
-            return wrong("straightening", expected, "an OBJ file".into());
         }
         if !self.colours.is_empty() && format != Format::Svg {
             let expected = "an SVG drawing, whose lines have colours";

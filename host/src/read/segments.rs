@@ -10,7 +10,6 @@ mod open_ends;
 mod places;
 mod planar;
 mod repairs;
-mod straighten;
 
 use std::path::Path;
 
@@ -18,13 +17,9 @@ use nalgebra::Vector2;
 
 use self::planar::{Looks, planar};
 use self::repairs::Repairs;
-use self::straighten::{Straightened, straighten};
 use super::fold::PatternFile;
-use super::options::Straighten;
 use super::{FileError, ReadOptions, stem};
-use crate::pattern::{
-    CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError, rounded,
-};
+use crate::pattern::{CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError};
 use crate::progress::Watch;
 use crate::util::nan_max::bounding_box;
 
@@ -92,8 +87,6 @@ pub(super) struct LooseLines {
 /// A crease pattern made of loose lines.
 struct RepairedDrawing {
     pattern: CreasePattern,
-    /// The drawing of which the pattern was made.
-    drawing: Drawing,
     repairs: Repairs,
     /// Number of lines left out because they lie inside a panel.
     islands: usize,
@@ -124,21 +117,19 @@ pub(super) fn pattern_file(
         y_down,
         watch,
     };
-    let mut sheet = reader.sheet(segments, options.tolerance)?;
+    let sheet = reader.sheet(segments, options.tolerance)?;
     let kept_by = match kept {
         Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
         _ => None,
     };
-    // Asked before lines are straightened: those that are bent a little show that numbers are rounded.
     let length = written.precision(&sheet.pattern, rounding);
-    let straightened = reader.straighten(&mut sheet, options.straighten);
     let RepairedDrawing {
-        ref mut pattern,
-        ref repairs,
+        mut pattern,
+        repairs,
         islands,
-        ..
     } = sheet;
     pattern.lengths_written_with(length);
+    pattern.straighten_within(Some(repairs.usual_tolerance));
     notes.into_iter().for_each(|note| pattern.assume(note));
     for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);
@@ -157,35 +148,17 @@ pub(super) fn pattern_file(
              enclose: {islands}"
         ));
     }
-    if let Some(Straightened {
-        moved,
-        farthest: (by, from),
-        ..
-    }) = straightened
-    {
-        let [x, y] = reader.drawn(from).map(rounded);
-        pattern.repaired(format!(
-            "straightened: {moved} vertices moved, by {by:.1e} at most, from ({x}, {y})"
-        ));
-    }
     if y_down {
         pattern.drawn_with_y_down();
     }
     Ok(PatternFile {
         title: stem(path),
-        pattern: sheet.pattern,
+        pattern,
     })
 }
 
 /// Largest number of lines of a drawing for which a tolerance is looked for that keeps lines which end in the open.
 const MAX_SEARCHED_LINES: usize = 1 << 17;
-
-/// Farthest move in a drawing that is drawn well, as a fraction of the tolerance: a ten-thousandth of the median line, as
-/// the rounding of coordinates makes it. Most plans allow for it.
-const ROUNDING_RATIO: f64 = 0.1;
-
-/// Largest length of an edge that counts as none once the drawing is straightened, as a fraction of the tolerance.
-const NO_LENGTH_RATIO: f64 = 1e-6;
 
 /// Largest number of doublings of the tolerance in this search, and of steps in all. Drawings of many lines get fewer.
 const MAX_DOUBLINGS: usize = 8;
@@ -244,61 +217,13 @@ impl Reader<'_> {
         let (drawing, islands) =
             without_islands(&pattern, drawing, self.watch).ok_or_else(too_many)?;
         if islands > 0 {
-            pattern = self.checked(drawing.clone())?;
+            pattern = self.checked(drawing)?;
         }
         Ok(RepairedDrawing {
             pattern,
-            drawing,
             repairs,
             islands,
         })
-    }
-
-    /// Straightens the sheet, if that leaves its faces and creases what they are.
-    fn straighten(&self, sheet: &mut RepairedDrawing, when: Straighten) -> Option<Straightened> {
-        let rounding = ROUNDING_RATIO * sheet.repairs.least_tolerance;
-        let tolerance = match when {
-            Straighten::Off => return None,
-            // A large tolerance says that lines end in the wrong places, not that their directions are wrong.
-            Straighten::Auto => sheet.repairs.least_tolerance,
-            Straighten::On => sheet.repairs.tolerance,
-        };
-        let straight = straighten(&sheet.pattern, &sheet.drawing, tolerance, self.watch)?;
-        if when == Straighten::Auto && straight.farthest.0 <= rounding {
-            return None;
-        }
-        let mut drawing = sheet.drawing.clone();
-        drawing.vertices.clone_from(&straight.vertices);
-        let shortest = drawing.edges.iter().map(|edge| {
-            let [a, b] = edge.ends.map(|end| drawing.vertices[end]);
-            (b - a).norm()
-        });
-        if shortest.fold(f64::INFINITY, f64::min) <= self.rounding.max(NO_LENGTH_RATIO * tolerance)
-        {
-            // Lines that lie on one line now have vertices at the same place, with an edge of no length between.
-            let segments = drawing.edges.iter().map(|edge| Segment {
-                ends: edge.ends.map(|end| drawing.vertices[end]),
-                letter: edge.letter,
-                goal: edge.goal,
-            });
-            (drawing, _) = planar(
-                segments.collect(),
-                self.rounding,
-                Some(tolerance),
-                self.watch,
-            )?;
-        }
-        let pattern = self.checked(drawing.clone()).ok()?;
-        let is_same = pattern.creases().len() == sheet.pattern.creases().len()
-            && pattern.faces().len() == sheet.pattern.faces().len()
-            && (drawing.edges.len() < sheet.drawing.edges.len()
-                || pattern.faces() == sheet.pattern.faces());
-        if !is_same {
-            return None;
-        }
-        sheet.pattern = pattern;
-        sheet.drawing = drawing;
-        Some(straight)
     }
 
     /// Looks for the smallest tolerance with which no line ends in the open and nothing else is lost that `found` has:

@@ -191,6 +191,7 @@ answers! {
         let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
         let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
         let forecast = forecast(pattern, &crease_groups, watch);
+        assumptions.extend(forecast.straightened.map(|how| format!("the forecast is that of the sheet {how}")));
     } {
         vertices: usize = pattern.vertices().len();
         edges: usize = pattern.edges().len();

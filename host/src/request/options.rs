@@ -162,7 +162,8 @@ options! {
 
         /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
         ///
-        /// No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much.
+        /// No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn are
+        /// straightened. Notes tell how many vertices are moved, and by how much.
         straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN";
 
         /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V

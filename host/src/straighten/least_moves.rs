@@ -1,53 +1,37 @@
 //! The least moves of vertices that fulfil equations, by Gauss-Newton steps.
 
+use foldpath_linear::cholesky::Factor;
+use foldpath_linear::gram::GramStructure;
 use nalgebra::Vector2;
 
 use super::condition::{Condition, Equation};
 use crate::progress::Watch;
+use crate::util::csr::Csr;
 
 /// Largest number of Gauss-Newton steps. Moves are small against edges, so that three or four are usual.
-const MAX_STEPS: usize = 12;
+const MAX_STEPS: usize = 24;
 
-/// Largest number of iterations of conjugate gradients in one step.
-const MAX_ITERATIONS: usize = 1 << 11;
-
-/// Largest number of terms of equations that are computed in the iterations for one drawing: some seconds.
-const MAX_TERMS: usize = 1 << 30;
-
-/// Ratio of the gradient's norm to that of the first iteration at which a step ends.
-const STEP_RATIO: f64 = 1e-13;
-
-/// Number of terms of equations that may still be computed in iterations, none once the caller cancels.
-pub(super) struct Effort<'a> {
-    left: usize,
-    watch: Watch<'a>,
-}
-
-impl<'a> Effort<'a> {
-    pub(super) fn new(watch: Watch<'a>) -> Self {
-        let left = MAX_TERMS;
-        Self { left, watch }
-    }
-
-    fn take(&mut self, terms: usize) -> Option<()> {
-        self.left = self.left.checked_sub(terms)?;
-        (!self.watch.is_over()).then_some(())
-    }
-}
+/// Damping of the normal equations, as a fraction of their largest diagonal entry. Equations may repeat each other, so that
+/// the matrix is singular without it.
+const DAMPING_RATIO: f64 = 1e-12;
 
 /// Moves the points until the conditions hold within `exact` (a length), or further steps lead no nearer. Equations that
 /// hold already do not move anything by themselves. Each step is the least (in the sum of squares) that fulfils the
-/// linearised equations. Returns `None` if the effort is used up.
+/// linearised equations. Returns `None` once the watch is over, or if there are too many equations.
 pub(super) fn fulfil(
     conditions: &[Condition],
     mut points: Vec<Vector2<f64>>,
     exact: f64,
-    effort: &mut Effort<'_>,
+    watch: Watch<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
+    let equations_at = |points: &[Vector2<f64>]| -> Vec<Equation> {
+        let equations = conditions.iter().flat_map(|it| it.equations(points));
+        equations.collect()
+    };
+    let mut steps: Option<LeastSteps> = None;
     let mut best = (f64::INFINITY, points.clone());
     for _ in 0..MAX_STEPS {
-        let mut equations: Vec<Equation> = Vec::new();
-        equations.extend(conditions.iter().flat_map(|it| it.equations(&points)));
+        let mut equations = equations_at(&points);
         for equation in equations.iter_mut().filter(|it| it.off.abs() <= exact) {
             equation.off = 0.0;
         }
@@ -61,69 +45,72 @@ pub(super) fn fulfil(
         if most <= 0.0 {
             break;
         }
-        let step = least_step(&equations, points.len(), effort)?;
+        let steps = match &mut steps {
+            Some(steps) => steps,
+            steps => steps.insert(LeastSteps::new(&equations, points.len())?),
+        };
+        let step = steps.step(&equations, watch)?;
+        let steps = step.chunks_exact(2).map(|by| Vector2::new(by[0], by[1]));
         points
             .iter_mut()
-            .zip(step)
+            .zip(steps)
             .for_each(|(point, by)| *point += by);
     }
     Some(best.1)
 }
 
-/// Returns the least-squares solution of least norm of the linearised equations, by conjugate gradients on the normal
-/// equations (CGLS; Å. Björck, "Numerical Methods for Least Squares Problems", 1996, section 7.4). It starts from zero,
-/// so that it stays in the range of the transposed matrix, even if equations repeat each other. Returns `None` if the
-/// effort is used up.
-fn least_step(
-    equations: &[Equation],
-    points: usize,
-    effort: &mut Effort<'_>,
-) -> Option<Vec<Vector2<f64>>> {
-    let terms = equations.iter().map(|it| it.gradient.len()).sum();
-    let mut step = vec![Vector2::zeros(); points];
-    let mut left: Vec<f64> = equations.iter().map(|it| -it.off).collect();
-    let back = |left: &[f64]| {
-        let mut gradient = vec![Vector2::zeros(); points];
-        for (equation, left) in equations.iter().zip(left) {
-            for (vertex, term) in &equation.gradient {
-                gradient[*vertex] += term * *left;
-            }
-        }
-        gradient
-    };
-    let mut gradient = back(&left);
-    let mut direction = gradient.clone();
-    let mut square = squared(&gradient);
-    let least = STEP_RATIO * STEP_RATIO * square;
-    for _ in 0..MAX_ITERATIONS {
-        if square <= least {
-            break;
-        }
-        effort.take(terms)?;
-        let image = equations.iter().map(|equation| {
-            let terms = equation.gradient.iter();
-            terms
-                .map(|(vertex, term)| term.dot(&direction[*vertex]))
-                .sum()
-        });
-        let image: Vec<f64> = image.collect();
-        let along = square / image.iter().map(|it: &f64| it * it).sum::<f64>();
-        step.iter_mut()
-            .zip(&direction)
-            .for_each(|(step, by)| *step += by * along);
-        left.iter_mut()
-            .zip(&image)
-            .for_each(|(left, by)| *left -= by * along);
-        gradient = back(&left);
-        let next = squared(&gradient);
-        for (direction, gradient) in direction.iter_mut().zip(&gradient) {
-            *direction = gradient + *direction * (next / square);
-        }
-        square = next;
-    }
-    Some(step)
+/// Solves linearised equations with always the same terms, by the normal equations.
+struct LeastSteps {
+    gram: GramStructure,
+    factor: Factor,
+    values: Vec<f64>,
 }
 
-fn squared(vectors: &[Vector2<f64>]) -> f64 {
-    vectors.iter().map(Vector2::norm_squared).sum()
+impl LeastSteps {
+    fn new(equations: &[Equation], points: usize) -> Option<Self> {
+        let terms = equations.iter().map(|equation| {
+            let vertices = equation.gradient.iter().map(|(vertex, _)| vertex);
+            let coordinates = vertices.flat_map(|vertex| [2 * vertex, 2 * vertex + 1]);
+            coordinates
+                .map(|it| u32::try_from(it).ok())
+                .collect::<Option<Vec<_>>>()
+        });
+        let terms: Csr<u32> = terms.collect::<Option<Vec<_>>>()?.into_iter().collect();
+        let gram = GramStructure::new(2 * points, &terms)?;
+        Some(Self {
+            factor: Factor::new(&gram.symbolic),
+            values: vec![0.0; gram.entries],
+            gram,
+        })
+    }
+
+    /// Returns the least step, two coordinates for each point.
+    fn step(&mut self, equations: &[Equation], watch: Watch<'_>) -> Option<Vec<f64>> {
+        let Self {
+            gram,
+            factor,
+            values,
+        } = self;
+        values.fill(0.0);
+        let mut step = vec![0.0; gram.diagonal.len()];
+        for (number, equation) in equations.iter().enumerate() {
+            let terms = equation
+                .gradient
+                .iter()
+                .flat_map(|(_, term)| [term.x, term.y]);
+            let terms: Vec<f64> = terms.collect();
+            gram.add(number, &terms, |a, b| a * b, values);
+            for (vertex, term) in &equation.gradient {
+                step[2 * vertex] -= term.x * equation.off;
+                step[2 * vertex + 1] -= term.y * equation.off;
+            }
+        }
+        let damping = DAMPING_RATIO * gram.max_diagonal(values);
+        let is_over = || watch.is_over();
+        if !gram.symbolic.factorise(values, damping, factor, &is_over) {
+            return None;
+        }
+        gram.symbolic.solve(factor, &mut step);
+        Some(step)
+    }
 }

@@ -1,4 +1,4 @@
-//! Finds the straight lines of a drawing, and which of them are meant to be parallel.
+//! Finds the straight lines of a pattern, and which of them are meant to be parallel.
 
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use nalgebra::Vector2;
 
 use super::condition::Condition;
-use crate::pattern::Drawing;
 use crate::util::csr::group_by_key;
 
 /// Largest angle (radians) between edges or lines that are meant to have one direction.
@@ -32,10 +31,13 @@ impl Line {
 
 /// Returns the conditions that lines which are nearly straight are straight, and that those which are nearly parallel
 /// are parallel. Nearly means that no end has to move farther than `reach`. Cost: O(n log n).
-pub(super) fn conditions(drawing: &Drawing, reach: f64) -> Vec<Condition> {
-    let points = &drawing.vertices;
+pub(super) fn conditions(
+    points: &[Vector2<f64>],
+    edges: &[[usize; 2]],
+    reach: f64,
+) -> Vec<Condition> {
     let mut conditions = Vec::new();
-    for class in parallel_classes(chains(drawing, reach), reach) {
+    for class in parallel_classes(chains(points, edges, reach), reach) {
         let lines = joined(points, class, reach);
         for line in &lines {
             let ends = line.ends();
@@ -56,15 +58,14 @@ pub(super) fn conditions(drawing: &Drawing, reach: f64) -> Vec<Condition> {
 
 /// Returns the chains of edges that run on nearly straight, each as long as possible. Chains that are bent all in all,
 /// as circles of many short edges, are left out.
-fn chains(drawing: &Drawing, reach: f64) -> Vec<Line> {
-    let points = &drawing.vertices;
-    let ends = drawing.edges.iter().enumerate();
-    let ends = ends.flat_map(|(index, edge)| edge.ends.map(|end| (end, index)));
+fn chains(points: &[Vector2<f64>], edges: &[[usize; 2]], reach: f64) -> Vec<Line> {
+    let ends = edges.iter().enumerate();
+    let ends = ends.flat_map(|(index, ends)| ends.map(|end| (end, index)));
     let stars = group_by_key(points.len(), ends);
     // For each edge the edges that prolong it beyond its two ends.
-    let mut beyond = vec![[None; 2]; drawing.edges.len()];
+    let mut beyond = vec![[None; 2]; edges.len()];
     let other_end = |edge: usize, vertex: usize| {
-        let [a, b] = drawing.edges[edge].ends;
+        let [a, b] = edges[edge];
         if a == vertex { b } else { a }
     };
     let straightest = |edge: usize, vertex: usize| {
@@ -81,26 +82,26 @@ fn chains(drawing: &Drawing, reach: f64) -> Vec<Line> {
         let straight = stars[vertex].iter().filter_map(bend);
         Some(straight.min_by(|a, b| a.0.total_cmp(&b.0))?.1)
     };
-    for (index, edge) in drawing.edges.iter().enumerate() {
-        for (side, end) in edge.ends.into_iter().enumerate() {
+    for (index, ends) in edges.iter().enumerate() {
+        for (side, &end) in ends.iter().enumerate() {
             let next = straightest(index, end);
             beyond[index][side] = next.filter(|&next| straightest(next, end) == Some(index));
         }
     }
-    let mut used = vec![false; drawing.edges.len()];
+    let mut used = vec![false; edges.len()];
     let mut chains = Vec::new();
-    for start in 0..drawing.edges.len() {
+    for start in 0..edges.len() {
         let Some(side) = beyond[start].iter().position(Option::is_none) else {
             continue;
         };
-        let mut vertices = vec![drawing.edges[start].ends[side]];
+        let mut vertices = vec![edges[start][side]];
         let mut edge = Some(start).filter(|&start| !used[start]);
         while let Some(index) = edge {
             used[index] = true;
             let from = vertices[vertices.len() - 1];
             let to = other_end(index, from);
             vertices.push(to);
-            let side = usize::from(drawing.edges[index].ends[1] == to);
+            let side = usize::from(edges[index][1] == to);
             edge = beyond[index][side].filter(|&next| !used[next]);
         }
         chains.extend(line(points, vertices, reach));

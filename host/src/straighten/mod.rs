@@ -1,4 +1,4 @@
-//! Straightens a drawing: moves its vertices by so little that nobody sees it, so that lines that are nearly straight or
+//! Straightens a pattern: moves its vertices by so little that nobody sees it, so that lines that are nearly straight or
 //! parallel are so exactly, and so that vertices and holes that nearly fold flat do.
 //!
 //! People draw to about a thousandth of a line, and programs write a few digits. Creases that miss each other by so
@@ -6,27 +6,44 @@
 //! at once.
 //!
 //! `symmetry` also restores stars whose coordinates are rounded. It turns the spokes of one star, for a planner that
-//! solves a sheet of its own; here the drawing itself changes, so that all stars and holes share their vertices.
+//! solves a sheet of its own; here the pattern itself changes, so that all stars and holes share their vertices.
 
 mod condition;
 mod least_moves;
 mod lines;
 
 use core::f64::consts::PI;
+use core::fmt::{Display, Formatter, Result};
+use std::collections::HashSet;
 
 use nalgebra::Vector2;
 
 use self::condition::Condition;
-use self::least_moves::{Effort, fulfil};
-use crate::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use self::least_moves::fulfil;
+use crate::pattern::{CreasePattern, Digits, Edge, Letter, VertexId, places, rounded};
 use crate::progress::Watch;
 use crate::util::nan_max::diagonal;
+
+/// Usual tolerance of a drawing as a fraction of its median line. Drawing programs write about seven digits and people
+/// snap to a grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
+const MEDIAN_RATIO: f64 = 1e-3;
+
+/// Upper bound of the usual tolerance, as a fraction of the sheet's diagonal, for drawings whose lines run right across the
+/// sheet.
+const DIAGONAL_RATIO: f64 = 1e-4;
+
+/// Lower bound of the usual tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
+pub(crate) const ROUNDING_RATIO: f64 = 1e-9;
+
+/// Largest unit of rounded coordinates that widens the tolerance, as a fraction of the median edge.
+const MAX_UNIT_RATIO: f64 = 1e-2;
 
 /// Farthest move of a vertex, in tolerances: two lines that lie within the tolerance of a third are twice as far from
 /// each other.
 const REACH_TOLERANCES: f64 = 2.0;
 
-/// Length within which a condition holds, as a fraction of the drawing's diagonal: some roundings of a coordinate.
+/// Length within which a condition holds, as a fraction of the drawing's diagonal or of the largest coordinate, whichever is
+/// more: some roundings of a coordinate.
 const EXACT_RATIO: f64 = 1e-14;
 
 /// Length within which a condition counts as fulfilled after the moves, in the same unit.
@@ -38,37 +55,133 @@ const SAME_ANGLE_RAD: f64 = 1e-3;
 /// Largest number of times that conditions which contradict each other are given up.
 const MAX_ROUNDS: usize = 12;
 
-/// Largest number of edges of a drawing that is straightened.
+/// Largest length of an edge that counts as none once the pattern is straightened, as a fraction of the reach.
+const NO_LENGTH_RATIO: f64 = 1e-6;
+
+/// Largest number of edges of a pattern that is straightened.
 const MAX_EDGES: usize = 1 << 14;
 
-/// A straightened drawing.
-pub(super) struct Straightened {
-    /// The vertices in their new places.
-    pub(super) vertices: Vec<Vector2<f64>>,
+/// How a pattern was straightened. `Display` makes a sentence of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Straightened {
     /// Number of vertices that were moved.
-    pub(super) moved: usize,
-    /// Length of the farthest move, and the place at which it began.
-    pub(super) farthest: (f64, Vector2<f64>),
+    pub moved: usize,
+    /// Length of the longest move, in the drawing's units.
+    pub farthest: f64,
+    /// The place at which it began, in the drawing's own coordinates.
+    pub at: [f64; 2],
 }
 
-/// Straightens a drawing, of which `pattern` was made, within the tolerance of its repair. Returns `None` if nothing has
-/// to be moved, or no moves within the tolerance are found with the effort that is allowed.
-pub(super) fn straighten(
+impl Display for Straightened {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self {
+            moved,
+            farthest,
+            at,
+        } = self;
+        let [x, y] = at.map(rounded);
+        write!(
+            f,
+            "straightened: {moved} vertices moved, by {farthest:.1e} at most, from ({x}, {y})"
+        )
+    }
+}
+
+/// Returns the tolerance within which ends of lines are one place, for a drawing with this median length of its lines and
+/// this diagonal.
+pub(crate) fn usual_tolerance(median: f64, diagonal: f64) -> f64 {
+    let most = DIAGONAL_RATIO * diagonal;
+    (MEDIAN_RATIO * median)
+        .min(most)
+        .max(ROUNDING_RATIO * diagonal)
+}
+
+/// Returns how far lines of a pattern may be off: the usual tolerance, or the unit to which coordinates are rounded.
+pub(crate) fn tolerance(pattern: &CreasePattern) -> f64 {
+    let median = pattern.median_edge();
+    let unit = pattern.precision().length.unit();
+    let usual = usual_tolerance(median, diagonal(pattern.vertices()));
+    usual.max(unit.min(MAX_UNIT_RATIO * median))
+}
+
+/// Straightens a pattern whose lines may be off by `tolerance`. No vertex moves farther than twice as far. Vertices, edges
+/// and faces keep their numbers, unless edges of no length are left out. What vertices move counts as rounding of the new
+/// pattern. Returns `None` if nothing has to be moved, no moves within the tolerance are found, or creases and faces would not stay what they are.
+pub(crate) fn straightened(
     pattern: &CreasePattern,
-    drawing: &Drawing,
     tolerance: f64,
     watch: Watch<'_>,
-) -> Option<Straightened> {
-    if drawing.edges.len() > MAX_EDGES {
+) -> Option<(CreasePattern, Straightened)> {
+    if pattern.edges().len() > MAX_EDGES {
         return None;
     }
     let reach = REACH_TOLERANCES * tolerance;
-    let diagonal = diagonal(&drawing.vertices);
-    let drawn = &drawing.vertices;
-    let exact = EXACT_RATIO * diagonal;
-    let mut conditions = lines::conditions(drawing, reach);
-    if drawing.edges.iter().all(folds_flat) {
-        conditions.extend(flat_foldings(pattern, drawing));
+    // Both sides of a cut move alike.
+    let places = places(pattern.vertices());
+    let points = least_moves(pattern, &places, reach, watch)?;
+    let mut drawing = pattern.drawing();
+    let drawn = core::mem::take(&mut drawing.vertices);
+    drawing.vertices = places.iter().map(|&place| points[place]).collect();
+    let moves = drawing
+        .vertices
+        .iter()
+        .zip(&drawn)
+        .map(|(a, b)| (a - b).norm());
+    let moves: Vec<f64> = moves.collect();
+    let moved = moves.iter().enumerate();
+    let moved = moved
+        .filter(|(vertex, by)| places[*vertex] == *vertex && **by > 0.0)
+        .count();
+    let farthest = moves.into_iter().enumerate();
+    let (vertex, farthest) = farthest.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
+    let lengths = drawing
+        .edges
+        .iter()
+        .map(|edge| edge.ends.map(|end| drawing.vertices[end]));
+    let no_length = |[a, b]: [Vector2<f64>; 2]| (b - a).norm() <= NO_LENGTH_RATIO * tolerance;
+    let mut straight = if lengths.clone().any(no_length) {
+        pattern.contracted(drawing, no_length, watch)?
+    } else {
+        pattern.redrawn(drawing, watch).ok()?
+    };
+    let count = |pattern: &CreasePattern| [pattern.creases().len(), pattern.faces().len()];
+    if count(&straight) != count(pattern) {
+        return None;
+    }
+    let mut precision = pattern.precision();
+    precision.length = precision.length.coarser(Digits::of_unit(farthest));
+    straight.written_with(precision);
+    let at = pattern.drawn_place(VertexId::new(vertex));
+    Some((
+        straight,
+        Straightened {
+            moved,
+            farthest,
+            at,
+        },
+    ))
+}
+
+/// Returns the places of the vertices of a pattern after the least moves, none of them beyond `reach`, that fulfil as many of
+/// the conditions as can be fulfilled at once. `places` has for each vertex the first one at its place, which alone
+/// moves. Returns `None` if nothing has to be moved, or no such moves are found.
+fn least_moves(
+    pattern: &CreasePattern,
+    places: &[usize],
+    reach: f64,
+    watch: Watch<'_>,
+) -> Option<Vec<Vector2<f64>>> {
+    let drawn = pattern.vertices();
+    let coordinates = drawn.iter().map(|point| point.amax());
+    let size = coordinates.fold(diagonal(drawn), f64::max);
+    let exact = EXACT_RATIO * size;
+    let ends = |edge: &Edge| edge.ends.map(|end| places[end.index()]);
+    let mut known = HashSet::new();
+    let lines = pattern.edges().iter().map(ends);
+    let lines = lines.filter(|&[a, b]| known.insert([a.min(b), a.max(b)]));
+    let mut conditions = lines::conditions(drawn, &lines.collect::<Vec<_>>(), reach);
+    if pattern.edges().iter().all(folds_flat) {
+        conditions.extend(flat_foldings(pattern, ends));
     } else {
         // The designer of such a sheet turned lines on purpose.
         conditions.retain(|it| !matches!(it, Condition::Parallel { .. }));
@@ -78,12 +191,11 @@ pub(super) fn straighten(
         let equations = it.equations(points);
         equations.iter().any(|equation| equation.off.abs() > within)
     };
-    let mut effort = Effort::new(watch);
     for _ in 0..MAX_ROUNDS {
         if !conditions.iter().any(|it| is_off(it, drawn, exact)) {
             return None;
         }
-        let vertices = fulfil(&conditions, drawn.clone(), exact, &mut effort)?;
+        let vertices = fulfil(&conditions, drawn.to_vec(), exact, watch)?;
         let moves: Vec<f64> = vertices
             .iter()
             .zip(drawn)
@@ -91,7 +203,7 @@ pub(super) fn straighten(
             .collect();
         // Conditions that stay open, or move a vertex too far, contradict others.
         let contradicts = |it: &Condition| {
-            is_off(it, &vertices, FULFILLED_RATIO * diagonal)
+            is_off(it, &vertices, FULFILLED_RATIO * size)
                 || is_off(it, drawn, exact) && it.vertices().any(|vertex| moves[vertex] > reach)
         };
         let first = conditions
@@ -103,30 +215,22 @@ pub(super) fn straighten(
             conditions.retain(|it| it.rank() != first || !contradicts(it));
             continue;
         }
-        if moves.iter().any(|by| *by > reach) {
-            return None;
-        }
-        let farthest = moves.iter().copied().zip(drawn.iter().copied());
-        return Some(Straightened {
-            moved: moves.iter().filter(|by| **by > 0.0).count(),
-            farthest: farthest.max_by(|a, b| a.0.total_cmp(&b.0))?,
-            vertices,
-        });
+        return moves.iter().all(|by| *by <= reach).then_some(vertices);
     }
     None
 }
 
 /// Returns `true` unless an edge has a goal between flat and half a turn.
-fn folds_flat(edge: &DrawnEdge) -> bool {
+fn folds_flat(edge: &Edge) -> bool {
     let goal = edge.goal.unwrap_or(PI).abs();
     goal.min(PI - goal) <= SAME_ANGLE_RAD
 }
 
 /// Returns the conditions that the creases round each vertex and each hole fold flat, if their number and letters allow
 /// it.
-fn flat_foldings(pattern: &CreasePattern, drawing: &Drawing) -> Vec<Condition> {
+fn flat_foldings(pattern: &CreasePattern, ends: impl Fn(&Edge) -> [usize; 2]) -> Vec<Condition> {
     let is_hinge = |edge: &usize| pattern.edges()[*edge].crease.is_some();
-    let ends = |edge: usize| drawing.edges[edge].ends;
+    let ends = |edge: usize| ends(&pattern.edges()[edge]);
     let vertices = pattern.real_vertices().filter_map(|vertex| {
         let star = pattern.stars()[vertex.index()]
             .iter()

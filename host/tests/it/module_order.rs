@@ -10,7 +10,7 @@ const LAYERS: [&[&str]; 13] = [
     // `progress` is part of `util` and has a name at the root of the library.
     &["colours", "util", "progress"],
     &["pattern"],
-    &["generate"],
+    &["generate", "straighten"],
     &["motion"],
     &["symmetry"],
     &["folding"],

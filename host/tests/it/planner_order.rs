@@ -122,7 +122,7 @@ fn strategies_are_documented_in_their_order() {
         .map(|row| row.split('|').nth(1).unwrap().trim().trim_end_matches(" *"))
         .collect();
     assert_eq!(documented, names);
-    assert_eq!(names.len(), 14);
+    assert_eq!(names.len(), 15);
 }
 
 #[test]

@@ -123,7 +123,8 @@ def read(
       default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
       keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces
     - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
-      do. No vertex moves farther than twice the tolerance. Notes tell how many are moved, and by how much
+      do. No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn
+      are straightened. Notes tell how many vertices are moved, and by how much
     - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
       or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
       colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of

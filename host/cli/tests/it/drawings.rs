@@ -353,7 +353,6 @@ fn loose_lines_are_repaired_and_said() {
             vec![
                 format!("{joined}2, moved by 1.5e-4 at most"),
                 passes(5),
-                "straightened: 7 vertices moved, by 2.1e-4 at most, from (2, 0.0003)".into(),
             ],
         ),
         // A line drawn twice, and a line that overlaps another.

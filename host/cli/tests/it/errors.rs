@@ -79,8 +79,6 @@ fn usage() {
         info sheet.svg --colors red=V,#f00=M
         info path.fold --tolerance 0.1
         info shape.obj --tolerance 0.1
-        info path.fold --straighten on
-        info shape.obj --straighten on
         info sheet.cp --straighten maybe
         info sheet.cp --colors red=V
         export path.fold --to csv --tolerance 0.1 -o a.csv

@@ -171,7 +171,7 @@ fn disturbed_drawings_fold_flat_again() {
         for _ in 0..8 {
             let text = cp(&drawing, DISTURBED * tolerance, &mut rng);
             let drawn = read(&text, Straighten::Off);
-            let straight = read(&text, Straighten::Auto);
+            let straight = read(&text, Straighten::On);
             assert!(
                 is_straightened(&straight),
                 "{name}: {:?}",
@@ -247,9 +247,9 @@ fn a_drawing_is_straightened_whichever_way_it_lies() {
     }
 }
 
-/// Disturbances as small as rounding are left to the planner, unless straightening is asked for.
+/// A drawing is read as it is, and left to the planner, unless straightening is asked for.
 #[test]
-fn rounding_is_straightened_only_if_asked_for() {
+fn drawings_are_straightened_before_planning_only_if_asked_for() {
     for (name, drawing) in exact() {
         let text = cp(&drawing, 0.02 * tolerance(&drawing), &mut Random::new(5));
         let [off, auto, on] = [Straighten::Off, Straighten::Auto, Straighten::On]

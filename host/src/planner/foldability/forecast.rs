@@ -3,11 +3,12 @@
 use super::cause::{Cause, CauseKind, at_vertices, of_lock};
 use super::certificate::{Lock, Locks, MAX_CREASES, cannot_leave};
 use super::locked_loop::locked_loops;
-use crate::pattern::{ClosureSite, CreasePattern, EdgeId};
+use crate::pattern::{ClosureSite, CreasePattern, Digits, EdgeId, Precision};
 use crate::planner::Goal;
 use crate::planner::following::mobility::{FirstStep, Mobility, first_step};
 use crate::planner::following::reduction::CLOSED;
 use crate::progress::Watch;
+use crate::straighten::{Straightened, straightened};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
 /// Expectation of whether a pattern folds to its goal. Only a plan tells for sure.
@@ -53,13 +54,36 @@ pub struct Forecast {
     pub goal_motions: Option<usize>,
     /// Largest closure residual of the goal's angles, if they name every crease.
     pub goal_residual: Option<f64>,
+    /// How the pattern of which this is said was straightened; `None` if it is said of the pattern as it is drawn.
+    pub straightened: Option<Straightened>,
 }
 
-/// Foresees whether a pattern folds to its own goal, or else along its letters.
+/// Foresees whether a pattern folds to its own goal, or else along its letters. If little is to be hoped for of the sheet
+/// as it is drawn, and the reader allowed it to be straightened, the forecast is that of the straightened one.
 ///
 /// The call ends soon after the deadline of `watch`. Cost: below a second, whatever the size of the sheet.
 #[must_use]
 pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>) -> Forecast {
+    let as_drawn = forecast_as_drawn(pattern, groups, watch);
+    let is_doubtful = matches!(as_drawn.foldability, Foldability::Perhaps | Foldability::No);
+    let within = pattern.straightens_within().filter(|_| is_doubtful);
+    let straight = within.and_then(|within| straightened(pattern, within, watch));
+    let Some((straight, how)) = straight else {
+        return as_drawn;
+    };
+    let groups = CreaseGroups::find_until(&straight, watch);
+    let mut forecast = forecast_as_drawn(&straight, &groups, watch);
+    forecast.straightened = Some(how);
+    let is_better = match forecast.foldability {
+        Foldability::Likely => true,
+        Foldability::Perhaps => as_drawn.foldability == Foldability::No,
+        Foldability::No | Foldability::Unknown => false,
+    };
+    if is_better { forecast } else { as_drawn }
+}
+
+/// Foresees whether a pattern folds as it is drawn.
+fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>) -> Forecast {
     let goal = Goal::of_pattern(pattern).ok();
     let creases = || pattern.creases().iter().map(|&id| pattern.edge(id));
     let letters: Vec<f64> = creases().map(|edge| edge.letter.sign()).collect();
@@ -85,12 +109,15 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
         step: FirstStep::Unknown,
         goal_motions: None,
         goal_residual: None,
+        straightened: None,
     };
     forecast.causes.extend(locked_loops(pattern, &letters));
     let Some(goal) = goal.filter(|_| !watch.is_over()) else {
         return forecast;
     };
-    forecast.step = first_step(pattern, groups, &goal, watch);
+    let Precision { length, angle } = pattern.precision();
+    let rounding = explained_closure(pattern, length, Digits::Exact);
+    forecast.step = first_step(pattern, groups, &goal, rounding, watch);
     let all_turn = matches!(forecast.step, FirstStep::Leaves { unturned: 0, .. })
         && ways.iter().all(|way| way.abs() > 0.0);
     let (mut judged, mut rigid) = (false, false);
@@ -101,7 +128,7 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     }
     forecast.goal_residual = closure_of(pattern, &goal.fold_angles);
     let is_within = |most: f64| forecast.goal_residual.is_some_and(|it| it <= most);
-    let nearly_closes = is_within(CLOSED + rounding_of_goal(pattern));
+    let nearly_closes = is_within(CLOSED + explained_closure(pattern, length, angle));
     if is_within(CLOSED) && !watch.is_over() {
         let angles: Vec<f64> = goal.fold_angles.iter().flatten().copied().collect();
         let motions = Mobility::at(&ReducedStars::of_creases(pattern), &angles);
@@ -118,14 +145,18 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     forecast
 }
 
-/// Returns the largest closure residual that the last digit of the coordinates makes of a goal that closes: each
-/// sector angle of a vertex may be wrong by the errors of its two creases.
-fn rounding_of_goal(pattern: &CreasePattern) -> f64 {
-    let unit = pattern.precision().length.unit();
+/// Returns the largest closure residual that the last digits of coordinates and fold angles make of angles that close:
+/// each sector angle of a vertex may be wrong by the errors of its two creases, and each fold angle by its own.
+fn explained_closure(pattern: &CreasePattern, length: Digits, angle: Digits) -> f64 {
+    // Numbers have no more digits than a double.
+    let coordinates = pattern.vertices().iter().map(|point| point.amax());
+    let unit = length.unit() + f64::EPSILON * coordinates.fold(0.0, f64::max);
     let vertices = pattern.real_vertices().map(|vertex| {
         let star = pattern.stars()[vertex.index()].iter();
         let lengths = star.map(|&edge| pattern.length(pattern.edge(edge).ends));
-        lengths.map(|length| 4.0 * unit / length).sum::<f64>()
+        lengths
+            .map(|edge| 4.0 * unit / edge + angle.unit())
+            .sum::<f64>()
     });
     vertices.fold(0.0, f64::max)
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing, SweepCounts};
-use crate::folding::{FoldingMap, Rigidity};
+use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Knot;
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::PlanOptions;
@@ -101,6 +101,28 @@ impl<'a> Judge<'a> {
         (worst, part.pattern.faces().len())
     }
 
+    /// Returns `true` if the essential crease pattern keeps a bound on deformation and gap in all configurations, folded
+    /// along one of several spanning trees. Which tree that is hangs on how the sheet is drawn, and so must not decide.
+    pub(crate) fn keeps_essentially<'k>(
+        &self,
+        bound: f64,
+        configurations: impl Iterator<Item = &'k [f64]> + Clone,
+    ) -> bool {
+        let Some(mut part) = Part::of(self.pattern, self.reduction) else {
+            return true;
+        };
+        SpanningTree::diverse(&part.pattern).iter().any(|tree| {
+            configurations.clone().all(|angles| {
+                let angles = part.creases_at(self.reduction, angles);
+                part.map.fold(&part.pattern, tree, &angles);
+                let Rigidity {
+                    deformation, gap, ..
+                } = part.map.rigidity(&part.pattern, tree);
+                deformation <= bound && gap <= bound
+            })
+        })
+    }
+
     /// Returns the first knot at which faces cross, and the deepest crossing of the whole sheet there. If vertices
     /// close `alike`, knots without a crossing of the essential crease pattern are skipped, as faces round all other
     /// vertices cross only if those round its vertices do.
@@ -144,12 +166,17 @@ impl Part {
 
     /// Folds the essential crease pattern by these group angles.
     fn fold(&mut self, reduction: &Reduction, angles: &[f64]) {
+        let angles = self.creases_at(reduction, angles);
+        self.map.fold(&self.pattern, self.pattern.tree(), &angles);
+    }
+
+    /// Returns the angles of its creases at these group angles.
+    fn creases_at(&self, reduction: &Reduction, angles: &[f64]) -> Vec<f64> {
         let angle = |crease: &CreaseId| {
             let membership = reduction.groups.of(*crease);
             membership.apply(angles[membership.group.index()])
         };
-        let angles: Vec<f64> = self.creases.iter().map(angle).collect();
-        self.map.fold(&self.pattern, self.pattern.tree(), &angles);
+        self.creases.iter().map(angle).collect()
     }
 
     fn rigidity(&self) -> Rigidity {

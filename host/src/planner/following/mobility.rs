@@ -192,7 +192,7 @@ fn leaders(mut basis: DMatrix<f64>) -> Vec<usize> {
 /// Outcome of a small step from flat, along the signs of a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FirstStep {
-    /// The sheet leaves flat.
+    /// The sheet leaves flat, as nearly closed as the precision of its coordinates tells.
     Leaves {
         /// Number of creases that turn at the goal but not in this step.
         unturned: usize,
@@ -210,11 +210,13 @@ pub enum FirstStep {
     Unknown,
 }
 
-/// Leaves flat in the direction of the goal: in crease groups or else, if the sheet is small, crease by crease.
+/// Leaves flat in the direction of the goal: in crease groups or else, if the sheet is small, crease by crease. Vertices
+/// count as closed if their residual is no more than `rounding` explains.
 pub(crate) fn first_step(
     pattern: &CreasePattern,
     groups: &CreaseGroups,
     goal: &Goal,
+    rounding: f64,
     watch: Watch<'_>,
 ) -> FirstStep {
     let options = PlanOptions::default();
@@ -236,20 +238,39 @@ pub(crate) fn first_step(
             .collect();
         let leave =
             |tolerance| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
-        if let Some(x) = leave(0.0).first() {
+        let within = reduction.closure_tolerance(&options);
+        let explained = (rounding > 0.0).then_some(rounding.min(within));
+        for tolerance in [Some(0.0), explained].into_iter().flatten() {
+            let found = leave(tolerance);
+            let Some(x) = found.first() else {
+                continue;
+            };
             let creases = reduction.groups.expand(x);
             let least = UNTURNED_RATIO * max_norm(x);
             let asked = goal.fold_angles.iter().zip(&goal.signs);
             let asked = asked.map(|(angle, sign)| angle.unwrap_or(*sign));
             let unturned = asked.zip(&creases);
             let unturned = unturned.filter(|(asked, x)| asked.abs() > 0.0 && x.abs() < least);
-            return FirstStep::Leaves {
-                unturned: unturned.count(),
-                symmetric: motions(&reduction.essential, x),
-                single: motions(&ReducedStars::of_creases(pattern), &creases),
+            let unturned = unturned.count();
+            let is_better = match tried {
+                FirstStep::Leaves { unturned: most, .. } => unturned < most,
+                _ => true,
             };
+            if is_better {
+                tried = FirstStep::Leaves {
+                    unturned,
+                    symmetric: motions(&reduction.essential, x),
+                    single: motions(&ReducedStars::of_creases(pattern), &creases),
+                };
+            }
+            if unturned == 0 {
+                return tried;
+            }
         }
-        let bends = !leave(reduction.closure_tolerance(&options)).is_empty();
+        if matches!(tried, FirstStep::Leaves { .. }) {
+            continue;
+        }
+        let bends = !leave(within).is_empty();
         tried = if bends || tried == FirstStep::Bends {
             FirstStep::Bends
         } else {

@@ -19,11 +19,12 @@ use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
-use crate::planner::plan::{Outcome, Plan, Strategy};
+use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason};
 use crate::planner::{Goal, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
+use crate::straighten::straightened;
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
 
@@ -64,7 +65,7 @@ const UNGROUPED: Row = Row {
 /// The strategies in the order in which they are tried. Symmetry comes first, as it is fast; then every crease turns on
 /// its own, under error models that claim less and less of the coordinates. The rows that start from a route or from an
 /// answer are tried within each of the others.
-static STRATEGIES: [Row; 16] = [
+static STRATEGIES: [Row; 17] = [
     BASE,
     Row {
         strategy: Strategy::StraightDeforming,
@@ -166,6 +167,19 @@ static STRATEGIES: [Row; 16] = [
         is_better: leads_nearer,
         ..BASE
     },
+    Row {
+        strategy: Strategy::Straightened,
+        is_tried: |context| {
+            let may_be = context.problem.pattern.straightens_within().is_some();
+            may_be && context.is_unplanned() && !context.problem.is_late()
+        },
+        run: plan_straightened,
+        // What deforms once it is straight does not fall short because of its drawing.
+        is_better: |new, best| {
+            leads_farther(new, best) || new.outcome == Outcome::NotRigidlyFoldable
+        },
+        ..BASE
+    },
     other_seed(0),
     other_seed(1),
     other_seed(2),
@@ -201,6 +215,37 @@ const fn other_seed(seed: u64) -> Row {
         is_better: leads_farther,
         ..BASE
     }
+}
+
+/// Plans the sheet straightened, with what its vertices moved as contact, if the reader allowed it to be straightened.
+fn plan_straightened(context: &Context<'_>, attempts: &mut Vec<Attempt>) -> Option<Plan> {
+    let (start, asked) = (Instant::now(), context.problem);
+    let within = asked.pattern.straightens_within()?;
+    let (mut straight, how) = straightened(asked.pattern, within, asked.watch)?;
+    straight.straighten_within(None);
+    let problem = PlanningProblem {
+        contact: asked
+            .options
+            .contact
+            .unwrap_or_else(|| contact_tolerance(&straight)),
+        pattern: &Arc::new(straight),
+        ..*asked
+    };
+    let none = Plan::default();
+    let context = Context {
+        problem: &problem,
+        best: &none,
+        ..*context
+    };
+    let mut plan = try_rows(
+        StartsFrom::Problem,
+        &context,
+        Plan::default(),
+        &mut Vec::new(),
+    );
+    plan.notes.insert(0, Note::Straightened(how));
+    attempts.push(Attempt::new(Strategy::Straightened, &plan, start));
+    Some(plan)
 }
 
 /// Returns `true` if a plan without crease groups might prove less deformation: if `plan` proves more than the bound,
@@ -344,9 +389,11 @@ fn note_overlap(asked: &PlanningProblem<'_>, best: &Plan) -> Option<Note> {
         return None;
     }
     let angles: Option<Vec<f64>> = asked.goal.fold_angles.iter().copied().collect();
-    let map = FoldingMap::new(asked.pattern, asked.pattern.tree(), &angles?);
-    let crossing = CollisionScene::new(asked.pattern).deepest_crossing(&map, 0.0)?;
-    let most = OVERLAP_MARGIN * crossing.depth / asked.pattern.median_edge();
+    // The path may be that of the straightened sheet.
+    let pattern = &best.motion.as_ref()?.pattern;
+    let map = FoldingMap::new(pattern, pattern.tree(), &angles?);
+    let crossing = CollisionScene::new(pattern).deepest_crossing(&map, 0.0)?;
+    let most = OVERLAP_MARGIN * crossing.depth / pattern.median_edge();
     CONTACT_EDGES
         .contains(most)
         .then_some(Note::OverlapsAtGoal(most))

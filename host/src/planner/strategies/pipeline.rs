@@ -283,8 +283,7 @@ pub(crate) fn deform(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option
     }
     let waypoints = straight(reduction, &goal, options);
     let judge = Judge::new(problem, reduction, false);
-    let (essential, _) = judge.essential(waypoints.iter().map(|w| w.angles.as_slice()));
-    if !(essential.deformation <= options.bound && essential.gap <= options.bound) {
+    if !judge.keeps_essentially(options.bound, waypoints.iter().map(|w| w.angles.as_slice())) {
         return None;
     }
     let lifting = Lifting::new(problem, reduction, &waypoints, options.bound);

@@ -15,7 +15,7 @@ use crate::pattern::{
 };
 use crate::progress::Watch;
 use crate::read::segments::{self, LooseLines, Segment};
-use crate::read::{FileError, ReadOptions, Straighten, stem};
+use crate::read::{FileError, ReadOptions, stem};
 
 /// A crease pattern read from a file.
 #[derive(Clone, Debug)]
@@ -28,8 +28,8 @@ pub struct PatternFile {
 
 /// Parses a crease pattern. Its goal angles are those of the last folded frame that names angles, or else those of the
 /// pattern's own frame, or else the angles measured on the last folded frame that has positions. A goal in which all
-/// angles are 0 is the flat sheet, and counts as no goal. With a tolerance, or if the pattern is to be straightened, its
-/// edges are repaired like the lines of a drawing.
+/// angles are 0 is the flat sheet, and counts as no goal. With a tolerance, its edges are
+/// repaired like the lines of a drawing.
 ///
 /// # Errors
 /// If the bytes hold no flat crease pattern.
@@ -44,7 +44,7 @@ pub(in crate::read) fn parse_within(
     let flat = flat_frame(&frames);
     let frame = frames.get(flat);
     let angles = goal_angles(&frames, &frame)?;
-    if options.tolerance.is_some() || options.straighten == Straighten::On {
+    if options.tolerance.is_some() {
         return repaired(document, &frame, angles.as_ref(), options, watch);
     }
     let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
@@ -97,11 +97,8 @@ fn repaired(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
-    let place = match options.tolerance {
-        Some(_) => "the tolerance",
-        None => "straightening",
-    };
-    let wrong = |expected: &str, found: &str| document.expected(place.into(), expected, found);
+    let wrong =
+        |expected: &str, found: &str| document.expected("the tolerance".into(), expected, found);
     if drawing.faces.is_some() {
         let found = "faces_vertices, which say what meets";
         return Err(wrong("a drawing of lines without faces", found));

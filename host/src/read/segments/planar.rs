@@ -18,19 +18,9 @@ use super::repairs::Repairs;
 use super::{MAX_LINES, Segment};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::progress::Watch;
+use crate::straighten::{self, ROUNDING_RATIO};
 use crate::util::csr::{Csr, group_by_key};
 use crate::util::nan_max::{bounding_box, median};
-
-/// Merging tolerance as a fraction of the median line. Drawing programs write about seven digits and people snap to a
-/// grid, while the closest distinct vertices of a tessellation are a tenth of a line apart.
-const MEDIAN_RATIO: f64 = 1e-3;
-
-/// Upper bound of the merging tolerance, as a fraction of the sheet's diagonal, for drawings whose lines run right
-/// across the sheet.
-const DIAGONAL_RATIO: f64 = 1e-4;
-
-/// Lower bound of the merging tolerance, as a fraction of the diagonal: smaller differences are rounding alone.
-const ROUNDING_RATIO: f64 = 1e-9;
 
 /// Budget of proximity tests: the first number for each line, but in all at least the second. If all lines are in one
 /// place, each is near all others. Tessellations need some hundreds for each line.
@@ -76,7 +66,7 @@ pub(super) fn planar(
     let tolerance = asked.map_or(usual, |asked| asked.max(least));
     let mut repairs = Repairs {
         tolerance,
-        least_tolerance: tolerance.min(usual),
+        usual_tolerance: usual,
         ..Repairs::default()
     };
     let (mut places, mut pieces) =
@@ -206,11 +196,7 @@ fn cut_up(
 fn usual_tolerance(segments: &[Segment], diagonal: f64) -> f64 {
     let lengths = segments.iter().map(|s| (s.ends[1] - s.ends[0]).norm());
     let median = median(lengths.filter(|length| *length > 0.0));
-    median.map_or(0.0, |median| {
-        (MEDIAN_RATIO * median)
-            .min(DIAGONAL_RATIO * diagonal)
-            .max(ROUNDING_RATIO * diagonal)
-    })
+    median.map_or(0.0, |median| straighten::usual_tolerance(median, diagonal))
 }
 
 /// Keeps one of all lines between the same two vertices: the line of highest precedence, or else the first.

@@ -42,8 +42,8 @@ pub(super) struct Repairs {
     pub(super) removed: Option<Removed>,
     /// Points within this distance of each other are one place.
     pub(super) tolerance: f64,
-    /// The tolerance that the caller asked for or that follows from the lines, whichever is less.
-    pub(super) least_tolerance: f64,
+    /// The tolerance that follows from the lines.
+    pub(super) usual_tolerance: f64,
     /// Sides of the sheet where lines end in the open because no border is drawn.
     pub(super) missing_borders: Vec<MissingBorder>,
 }
