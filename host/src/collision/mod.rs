@@ -21,6 +21,7 @@
 //! | `Sweep::at_contact` | in contact | a plane stays between them, by second-order bounds |
 //! | the boxes of `CollisionScene` | any, at one configuration | their boxes do not overlap |
 
+mod convex;
 mod hierarchy;
 mod narrow;
 mod pairs;

@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 
+use super::convex::{convex_parts, least_width, size};
 use super::narrow::crossing::{ConvexPiece, depth_within, side_crossing_depth};
 use super::sides::Side;
 use super::tolerances::{
@@ -96,7 +97,8 @@ pub(super) struct Pieces {
     pub(super) flat: Vec<Vector2<f64>>,
     /// For each face its range of `list`: first piece and one past the last; `[0, 0]` if the face was not requested.
     of_faces: Vec<[u32; 2]>,
-    /// For each piece the size of its face: the length of the face's shortest edge, or its least width if that is less.
+    /// For each piece the length of the shortest edge of its face, or the least width of the face or of the piece, whichever
+    /// is least.
     sizes: Vec<f64>,
     joints: Vec<Joint>,
     /// For each piece its range of `joints`, once `join` has found them.
@@ -134,15 +136,12 @@ impl Pieces {
     pub(super) fn load(&mut self, pattern: &CreasePattern, face: FaceId) -> Range<u32> {
         if self.of_faces[face.index()] == [0; 2] {
             let start = self.list.len();
-            let cycle = &pattern.faces()[face.index()];
-            if is_convex(pattern, cycle) {
-                self.add(pattern, face, cycle);
-            } else {
-                for triangle in &pattern.triangles()[face.index()] {
-                    self.add(pattern, face, triangle);
-                }
+            let size = size(pattern, &pattern.faces()[face.index()]);
+            for part in convex_parts(pattern, face) {
+                self.add(pattern, face, &part);
+                let corners = self.list[self.list.len() - 1].corners();
+                self.sizes.push(size.min(least_width(&self.flat[corners])));
             }
-            self.sizes.resize(self.list.len(), size(pattern, cycle));
             let range = [start, self.list.len()];
             self.of_faces[face.index()] = range.map(|n| FaceId::new(n).0);
         }
@@ -299,16 +298,6 @@ impl Pieces {
     }
 }
 
-/// Returns the number of convex pieces that a face is cut into.
-pub(super) fn count(pattern: &CreasePattern, face: FaceId) -> usize {
-    let whole = is_convex(pattern, &pattern.faces()[face.index()]);
-    if whole {
-        1
-    } else {
-        pattern.triangles()[face.index()].len()
-    }
-}
-
 /// The pieces as one configuration places them.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
@@ -382,27 +371,4 @@ impl<'a> Placed<'a> {
         });
         depths.fold(0.0, f64::max)
     }
-}
-
-/// Returns the length of the shortest edge of a face, or its least width across an edge if that is less.
-fn size(pattern: &CreasePattern, cycle: &[VertexId]) -> f64 {
-    let point = |v: &VertexId| pattern.vertices()[v.index()];
-    let next = cycle.iter().cycle().skip(1);
-    let sizes = cycle.iter().zip(next).map(|(a, b)| {
-        let (a, side) = (point(a), point(b) - point(a));
-        let across = cycle.iter().map(|v| side.perp(&(point(v) - a)).abs());
-        let width = across.fold(0.0, f64::max) / side.norm();
-        side.norm().min(width)
-    });
-    sizes.fold(f64::INFINITY, f64::min)
-}
-
-fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
-    let point = |k: usize| pattern.vertices()[cycle[k % cycle.len()].index()];
-    (0..cycle.len()).all(|k| {
-        let (a, b, c) = (point(k), point(k + 1), point(k + 2));
-        let turn = (b - a).perp(&(c - b));
-        // Straight corners, as on the sides of waterbomb units, are convex.
-        turn >= -1e-12 * (b - a).norm() * (c - b).norm()
-    })
 }

@@ -158,8 +158,9 @@ impl Digits {
         )]
         let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
         let is_full = |x: f64| last_place(x).0 >= FULL_DIGITS;
-        let mut first = numbers.clone().take(PROBED);
-        if first.any(|x| !is_single(x) && is_full(x)) {
+        let step = numbers.clone().count() / PROBED + 1;
+        let mut some = numbers.clone().step_by(step);
+        if some.any(|x| !is_single(x) && is_full(x)) {
             return Self::Exact;
         }
         // Tessellations have few different numbers, and to find the digits of one takes long.

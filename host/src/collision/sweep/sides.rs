@@ -25,19 +25,25 @@ impl Sweep<'_> {
     /// Returns the kind of a pair of pieces that share several vertices; `None` if it needs no query, because the pieces
     /// turn about their common side but for a tear that contact allows.
     pub(super) fn classify_side(&mut self, nodes: [u32; 2], shared: &[[u32; 2]]) -> Option<Kind> {
-        let side = Side::of(&self.sheet.pieces, nodes, shared)?;
         let allowed = self.contact.of(&self.sheet.pieces, nodes);
-        let tear = self.side_tear(nodes, &side);
-        if tear.is_none_or(|tear| tear.moved.is_nan() || tear.moved > allowed) {
-            return Some(Kind::Side(side));
+        let is_within = |tear: SideTear| tear.moved <= allowed;
+        // No point of a piece is farther from its side than the piece is wide, which is known at once.
+        let circles = nodes.map(|node| self.sheet.hierarchy.circles[node as usize]);
+        let widest = 2.0 * circles[0].1.min(circles[1].1);
+        if !self.side_tear(nodes, widest).is_some_and(is_within) {
+            let side = Side::of(&self.sheet.pieces, nodes, shared)?;
+            if !self.side_tear(nodes, side.reach).is_some_and(is_within) {
+                return Some(Kind::Side(side));
+            }
         }
         self.found.joined += 1;
         (!self.options.skip_edges).then_some(Kind::Joined)
     }
 
-    /// Returns the least bound on the tear at an edge that joins two pieces; `None` if no edge joins them, as on the two
+    /// Returns the least bound on the tear at an edge that joins two pieces, of which one reaches no farther from it than
+    /// `reach`; `None` if no edge joins them, as on the two
     /// sides of a slit.
-    fn side_tear(&self, nodes: [u32; 2], side: &Side) -> Option<SideTear> {
+    fn side_tear(&self, nodes: [u32; 2], reach: f64) -> Option<SideTear> {
         let [face, other] = self.sheet.faces(nodes);
         let neighbours = self.pattern.neighbours()[face.index()].iter();
         let edges = neighbours.filter(|(beyond, _)| *beyond == other);
@@ -51,7 +57,7 @@ impl Sweep<'_> {
             SideTear {
                 member: crease.and_then(|crease| self.memberships.get(crease.index()).copied()),
                 turn,
-                moved: turn * side.reach + shift,
+                moved: turn * reach + shift,
             }
         });
         tears.min_by(|a, b| a.moved.total_cmp(&b.moved))
@@ -59,7 +65,7 @@ impl Sweep<'_> {
 
     pub(super) fn query_side(&mut self, index: u32, pair: &Pair, side: &Side) -> QueryOutcome {
         let nodes = pair.nodes;
-        let tear = self.side_tear(nodes, side);
+        let tear = self.side_tear(nodes, side.reach);
         if let Some(outcome) = tear.and_then(|tear| self.open_until(side, &tear)) {
             return outcome;
         }

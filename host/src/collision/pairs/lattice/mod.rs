@@ -12,8 +12,9 @@ use nalgebra::Vector2;
 use self::cells::FoldedCells;
 use self::disk::Disk;
 use super::{Answer, Batch, Now, PairCounts, PairSource};
+use crate::collision::convex::convex_parts;
 use crate::collision::hierarchy::circle;
-use crate::collision::pieces::{Pieces, count};
+use crate::collision::pieces::Pieces;
 use crate::collision::sweep::QueryOutcome;
 use crate::collision::sweep::motion::{Motion, Tick};
 use crate::collision::tolerances::{APART_TIMES, MAX_OFFSETS, NEAREST_APART_TIMES, WAKE_TIMES};
@@ -77,7 +78,7 @@ impl<'a> LatticePairs<'a> {
         deviation: f64,
     ) -> Self {
         let orbits = lattice.orbits();
-        let count = |orbit: &Orbit| count(pattern, orbit.representative) as u64;
+        let count = |orbit: &Orbit| convex_parts(pattern, orbit.representative).len() as u64;
         let cells = FoldedCells::new(pattern, memberships, groups, lattice);
         let corners = |orbit| circle(cells.folded.corners(orbit));
         Self {
