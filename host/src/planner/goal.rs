@@ -47,10 +47,10 @@ pub const CHOSEN_REACH: f64 = 0.2;
 const FLAT_RAD: f64 = 1e-9;
 /// Angle from which a crease counts as turned by half a turn, radians: below π by rounding.
 const HALF_TURN_RAD: f64 = PI - 1e-9;
-/// Angle below which a lettered crease counts as flat at the end of a path, radians: one degree.
+/// Angle below which a lettered crease counts as flat at the end of a path to given angles, radians: one degree.
 const FLAT_AT_END_RAD: f64 = PI / 180.0;
-/// Largest fraction of the angle that letters ask for below which a crease counts as flat.
-const FLAT_AT_END_RATIO: f64 = 0.5;
+/// Fraction of the asked angle below which a lettered crease counts as flat at the end of a path along the letters.
+const FLAT_AT_END_RATIO: f64 = 0.1;
 
 /// Reason why there is no goal.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -209,7 +209,7 @@ impl Goal {
     /// Returns the angle below which a lettered crease counts as flat at the end of a path, radians.
     pub(crate) fn least_turn(&self) -> f64 {
         if self.is_direction() {
-            FLAT_AT_END_RAD.min(FLAT_AT_END_RATIO * largest(&self.fold_angles))
+            FLAT_AT_END_RATIO * largest(&self.fold_angles)
         } else {
             FLAT_AT_END_RAD
         }

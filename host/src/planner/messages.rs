@@ -145,13 +145,13 @@ impl Display for Reason {
                 bound,
             } => write!(
                 f,
-                "the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {closure:.3e}, over the bound \
+                "measured at its knots, the whole sheet deforms by {:.3e} with gaps of {:.3e} and closure {closure:.3e}, over the bound \
                  {bound:.3e}; its essential crease pattern by {:.3e} with gaps of {:.3e}",
                 whole.deformation, whole.gap, essential.deformation, essential.gap
             ),
             Self::DeformsFromRim { rigidity, bound } => write!(
                 f,
-                "folded from a face at its rim, the sheet deforms by {:.3e} with gaps of {:.3e}, over the bound \
+                "measured at its knots and folded from a face at its rim, the sheet deforms by {:.3e} with gaps of {:.3e}, over the bound \
                  {bound:.3e}",
                 rigidity.deformation, rigidity.gap
             ),

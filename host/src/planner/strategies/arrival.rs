@@ -8,6 +8,9 @@ use crate::planner::reason::Reason;
 use crate::planner::vectors::fraction;
 use crate::symmetry::CreaseGroups;
 
+/// Fraction of its goal by which a crease has to be turned to count for a path that ends near the goal.
+const NEAR_RATIO: f64 = 0.1;
+
 /// Returns the number of creases that a motion of these crease groups leaves flat. A motion that is planned, but does not
 /// end at the goal, is [near it](Outcome::NearGoal).
 pub(super) fn judge_arrival(
@@ -37,7 +40,11 @@ pub(super) fn judge_arrival(
         return count;
     }
     let edge = |crease: usize| problem.pattern.creases()[crease];
-    lifted.outcome = Outcome::NearGoal;
+    lifted.outcome = if is_near(goal, &angles) {
+        Outcome::NearGoal
+    } else {
+        Outcome::Partial
+    };
     lifted.reached = fraction(&goal.fold_angles, &angles);
     lifted.reason = Some(Reason::NearGoal {
         goal: goal.source.clone(),
@@ -45,6 +52,18 @@ pub(super) fn judge_arrival(
         flat: flat.into_iter().map(edge).collect(),
     });
     count
+}
+
+/// Returns `true` if at least half of the lettered creases are turned by a tenth of their goal.
+fn is_near(goal: &Goal, angles: &[f64]) -> bool {
+    let asked = goal.signs.iter().zip(&goal.fold_angles).zip(angles);
+    let asked = asked.filter_map(|((sign, asked), angle)| {
+        let asked = asked.filter(|asked| sign.abs() > 0.0 && asked.abs() > 0.0)?;
+        Some(angle * asked.signum() >= NEAR_RATIO * asked.abs())
+    });
+    let turned: Vec<bool> = asked.collect();
+    let count = turned.iter().filter(|turned| **turned).count();
+    2 * count >= turned.len()
 }
 
 /// Returns the creases lettered M or V that have not turned their way.

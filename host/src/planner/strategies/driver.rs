@@ -21,7 +21,7 @@ use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
-use crate::planner::reason::{GroupsDropped, Note, Reason};
+use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
 use crate::planner::{Goal, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::straighten::straightened;
@@ -174,7 +174,7 @@ static STRATEGIES: [Row; 17] = [
             may_be && context.is_unplanned() && !context.problem.is_late()
         },
         run: plan_straightened,
-        // What deforms once it is straight does not fall short because of its drawing.
+        // If even the straightened sheet deforms, the drawing is not the reason why the sheet does not reach its goal.
         is_better: |new, best| {
             leads_farther(new, best) || new.outcome == Outcome::NotRigidlyFoldable
         },
@@ -367,6 +367,12 @@ pub fn plan_watched(
     {
         best.outcome = Outcome::Undecided;
         best.reason = Some(Reason::Undecided(question));
+    }
+    let is_late = |attempt: &Attempt| attempt.outcome == Outcome::Timeout;
+    if is_no(best.outcome) && (asked.is_late() || attempts.iter().any(is_late)) {
+        // The strategy that ran out of time might have found a plan.
+        best.outcome = Outcome::Timeout;
+        best.reason = Some(Reason::OutOfTime(TimeoutAt::LookingForOtherWays));
     }
     best.attempts = attempts;
     if let Some(motion) = &mut best.motion {
