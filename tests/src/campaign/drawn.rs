@@ -298,7 +298,7 @@ fn cp(sheet: &Drawing, decimals: Decimals) -> String {
     lines.collect()
 }
 
-/// What is said of a drawing.
+/// Answers for a drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Said {
     /// The outcome of `plan`.
@@ -339,7 +339,7 @@ fn said((name, text): &(&str, String), timeout: Duration) -> Result<Option<Said>
     }))
 }
 
-/// What became of the sheets.
+/// Results for all sheets.
 #[derive(Debug, Default)]
 pub struct Drawn {
     /// Number of sheets.

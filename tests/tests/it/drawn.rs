@@ -5,7 +5,7 @@ use core::time::Duration;
 use foldpath_tests::campaign::Family;
 use foldpath_tests::campaign::drawn::{families, run};
 
-/// Time for a plan. What is not decided within it is not compared.
+/// Time for a plan. A drawing whose plan takes longer is not compared.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Draws `count` sheets of families with these names, or of all families, and compares the verdicts.
