@@ -71,7 +71,14 @@ pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
     match (&unfolding.drawing, unfolding.reason) {
         (Some(drawing), _) => {
             let mut text = Vec::new();
-            write_pattern(&file.title, drawing, unfolding.precision, &mut text).map_err(refusal)?;
+            write_pattern(
+                &file.title,
+                drawing,
+                unfolding.precision,
+                file.unit,
+                &mut text,
+            )
+            .map_err(refusal)?;
             Ok(String::from_utf8(text)?)
         }
         (None, Some(reason)) => Err(JsError::new(&format!("{name}: {reason}"))),

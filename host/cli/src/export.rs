@@ -8,14 +8,15 @@ use crate::standard::{Input, is_standard, print_summary, shown};
 use crate::{Answer, CliError, check_output, print_notes};
 use foldpath::export::{ExportOptions, FORMATS, Format, Needs, Place, Source};
 use foldpath::motion::Motion;
-use foldpath::read::FileError;
+use foldpath::read::{FileError, check_unit};
 use foldpath::request::{OptionInfo, ReadingRequest, Request};
 
 pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
     let options = checked(args)?;
     check_output("-o", &args.output, [&args.path])?;
     let input = Input::of(&args.path)?;
-    let path = match (args.to.needs)(&options) {
+    let reading = args.reading.get()?.options()?;
+    let mut path = match (args.to.needs)(&options) {
         Needs::Path => {
             let user = format!("--to {}", args.to.name);
             Some(input.motion_for(&user)?)
@@ -23,10 +24,13 @@ pub(crate) fn run(args: &Export, quiet: bool) -> Answer {
         Needs::PathOrPattern => input.motion().ok(),
         Needs::Pattern => None,
     };
+    if let (Some(motion), Some(unit)) = (&mut path, reading.unit) {
+        check_unit(&input.name, motion.pattern.unit(), unit)?;
+        motion.measured_in(unit);
+    }
     let text = if let Some(motion) = &path {
         export(args, &options, Source::Motion(motion), &input.name, quiet)?
     } else {
-        let reading = args.reading.get()?.options()?;
         let file = input.pattern(&input.bytes()?, &reading)?;
         let source = Source::Pattern(&file.title, &file.pattern);
         export(args, &options, source, &input.name, quiet)?
@@ -68,8 +72,12 @@ fn checked(args: &Export) -> Result<ExportOptions, CliError> {
         ));
     }
     let options = request.options()?;
-    let is_reading = *args.reading.get()? != ReadingRequest::default();
-    if is_reading && (format.needs)(&options) == Needs::Path {
+    let reading = args.reading.get()?;
+    let without_unit = ReadingRequest {
+        unit: None,
+        ..reading.clone()
+    };
+    if without_unit != ReadingRequest::default() && (format.needs)(&options) == Needs::Path {
         let text = "--tolerance, --straighten and --colors: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text.into());
     }

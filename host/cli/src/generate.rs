@@ -11,7 +11,7 @@ use foldpath::request::generate;
 pub(crate) fn run(FamilyArgs { family, output }: &FamilyArgs, quiet: bool) -> Answer {
     let (title, drawing) = generate(family)?;
     write_whole_with(output, |mut out| {
-        write_pattern(&title, &drawing, Precision::default(), &mut out)
+        write_pattern(&title, &drawing, Precision::default(), None, &mut out)
     })?;
     let text = format!(
         "{title}: {} vertices, {} edges, written to {}\n",

@@ -59,6 +59,9 @@ fn summary(file: &PatternFile, info: &PatternInfo) -> String {
     if holes > 0 {
         parts += &count(holes, "hole");
     }
+    if let Some(unit) = file.pattern.unit() {
+        parts += &format!(", lengths in {}", unit.name());
+    }
     let lost = file.pattern.lost_lines().map(lost_lines);
     let lost = lost.map_or_else(String::new, |lost| {
         format!("  lost lines          {lost}\n")

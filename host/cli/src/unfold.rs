@@ -40,7 +40,13 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     })?;
     if let Some(drawing) = &unfolding.drawing {
         write_whole_with(&args.output, |mut out| {
-            write_pattern(&file.title, drawing, unfolding.precision, &mut out)
+            write_pattern(
+                &file.title,
+                drawing,
+                unfolding.precision,
+                file.unit,
+                &mut out,
+            )
         })?;
     }
     print_notes(quiet, &file.notes);

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::{Serialize, Serializer};
 
 use crate::motion::{GroupNaming, Knot, Motion, interpolation_name};
-use crate::pattern::{Drawing, Precision};
+use crate::pattern::{Drawing, Precision, Unit};
 
 /// Writes keys and values of a FOLD object in order.
 struct Object<'a, W: Write> {
@@ -72,11 +72,11 @@ fn degrees(radians: f64) -> f64 {
 /// Formats a crease pattern with its goal angles as a FOLD file.
 #[must_use]
 pub fn pattern_text(title: &str, drawing: &Drawing) -> String {
-    text(|out| write_pattern(title, drawing, Precision::default(), out))
+    text(|out| write_pattern(title, drawing, Precision::default(), None, out))
 }
 
 /// Writes a crease pattern with its goal angles, and with its faces if they are known, as a FOLD file. The file tells the
-/// precision of its numbers if that is less than their digits say.
+/// precision of its numbers if that is less than their digits say, and the unit of lengths if there is one.
 ///
 /// # Errors
 /// The errors of `out`.
@@ -84,13 +84,14 @@ pub fn write_pattern(
     title: &str,
     drawing: &Drawing,
     precision: Precision,
+    unit: Option<Unit>,
     out: &mut impl Write,
 ) -> io::Result<()> {
     let vertices = drawing.vertices.iter().map(|v| [v.x, v.y]);
     let edges = || drawing.edges.iter();
     let goals = edges().map(|e| e.goal.map_or(0.0, degrees));
     file(out, |file| {
-        header(file, title, "singleModel")?;
+        header(file, title, "singleModel", unit)?;
         file.list("vertices_coords", vertices)?;
         file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;
@@ -112,14 +113,23 @@ fn tell_precision(file: &mut Object<'_, impl Write>, precision: Precision) -> io
     file.list("foldpath:precision", [length.unit(), degrees(angle.unit())])
 }
 
-fn header(file: &mut Object<'_, impl Write>, title: &str, class: &str) -> io::Result<()> {
+fn header(
+    file: &mut Object<'_, impl Write>,
+    title: &str,
+    class: &str,
+    unit: Option<Unit>,
+) -> io::Result<()> {
     let creator = concat!("foldpath ", env!("CARGO_PKG_VERSION"));
     file.set("file_spec", &1.2)?;
     file.set("file_creator", creator)?;
     file.set("file_classes", &[class])?;
     file.set("file_title", title)?;
     file.set("frame_classes", &["creasePattern"])?;
-    file.set("frame_attributes", &["2D"])
+    file.set("frame_attributes", &["2D"])?;
+    match unit {
+        Some(unit) => file.set("frame_unit", unit.name()),
+        None => Ok(()),
+    }
 }
 
 /// Formats a motion as a FOLD animation.
@@ -148,7 +158,7 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
         ("foldpath:maxAcceleration", motion.max_acceleration),
     ];
     file(out, |file| {
-        header(file, &motion.title, "animation")?;
+        header(file, &motion.title, "animation", pattern.unit())?;
         file.list("vertices_coords", vertices)?;
         file.list("edges_vertices", edges().map(|e| e.ends))?;
         file.list("edges_assignment", edges().map(|e| e.letter.code()))?;

@@ -41,6 +41,8 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
     let motion = export.motion()?;
     let frames = export.resampled()?;
     let frames = frames.unwrap_or_else(|| motion.with_steps(STEP));
+    // Lengths of glTF are metres.
+    let frames = frames.in_metres().unwrap_or(frames);
     let faces = motion.pattern.faces().len();
     sink("", content(&frames, export.name)?)?;
     let frames = frames.knots.len();

@@ -10,6 +10,7 @@
 //! - Panels that share a vertex do not collide with each other; meshes are slabs, whose corners would touch.
 //! - There is a keyframe for each knot, with the angles of the joints and of the actuators.
 //!
+//! Lengths are in metres if the unit of the pattern is known, or else in units of the pattern.
 //! Masses, stiffnesses and dampings are in proportion to the size of the sheet, so that the model behaves alike in any
 //! unit of length. There is no gravity.
 //!
@@ -22,7 +23,7 @@ use std::path::Path;
 use super::mjcf_panels::{Joint, Panels};
 use super::{Export, Made, Sink, escaped};
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, EdgeId, VertexId};
+use crate::pattern::{CreasePattern, EdgeId, Unit, VertexId};
 use crate::planner::forecast;
 use crate::progress::Watch;
 use crate::read::FileError;
@@ -61,14 +62,17 @@ pub struct Model {
 
 /// Makes the files.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
-    let model = model(export.motion()?, export.name)?;
+    let motion = export.motion()?;
+    let metres = motion.in_metres();
+    let model = model(metres.as_ref().unwrap_or(motion), export.name)?;
     let driven = if model.drivers_known {
         "that drive the sheet near flat"
     } else {
         "of the tree, as it is not known which drive the sheet"
     };
+    let lengths = lengths(motion.pattern.unit());
     let told = format!(
-        "{} panels, {} hinge joints, {} loops, actuators on {} hinges {driven}",
+        "lengths in {lengths}, {} panels, {} hinge joints, {} loops, actuators on {} hinges {driven}",
         model.panels,
         model.joints,
         model.loops,
@@ -162,7 +166,7 @@ impl Masses {
 
 fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]) -> String {
     let pattern = &motion.pattern;
-    let mut text = head(&motion.title, masses);
+    let mut text = head(&motion.title, motion.pattern.unit(), masses);
     // Writing to memory cannot fail.
     for panel in 0..panels.len() {
         let name = panels.name(panel);
@@ -202,15 +206,23 @@ fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]
     text + "  </keyframe>\n</mujoco>\n"
 }
 
+/// Describes the lengths of the model of a motion whose lengths have this unit.
+fn lengths(unit: Option<Unit>) -> &'static str {
+    match unit {
+        Some(_) => "metres",
+        None => "units of the pattern",
+    }
+}
+
 /// Returns the beginning of the model up to its assets.
-fn head(title: &str, masses: &Masses) -> String {
+fn head(title: &str, unit: Option<Unit>, masses: &Masses) -> String {
     // Drake refuses a model without a name.
     let title = match title.trim() {
         "" => "sheet".into(),
         title => escaped(title),
     };
     format!(
-        "<!-- Written by foldpath {}. Lengths are in units of the pattern, angles in radians, valley positive. -->\n\
+        "<!-- Written by foldpath {}. Lengths are in {}, angles in radians, valley positive. -->\n\
          <mujoco model=\"{title}\">\n  \
          <compiler angle=\"radian\" autolimits=\"true\"/>\n  \
          <option timestep=\"{TIME_STEP_S}\" gravity=\"0 0 0\" integrator=\"implicitfast\"/>\n  \
@@ -221,6 +233,7 @@ fn head(title: &str, masses: &Masses) -> String {
          <equality solref=\"0.002 1\" solimp=\"0.99 0.9999 0.001\"/>\n  \
          </default>\n  <asset>\n",
         env!("CARGO_PKG_VERSION"),
+        lengths(unit),
         DAMPING_RATIO * masses.panel,
         ARMATURE_RATIO * masses.panel,
         masses.density,

@@ -15,7 +15,7 @@ use super::{Export, Made, Needs, Sink, Source, escaped, single};
 use crate::colours::{hex, of_group, ramp};
 use crate::folding::{STEP, deformation_of_faces};
 use crate::motion::{GroupNaming, Motion};
-use crate::pattern::{CreasePattern, Edge, EdgeId, Letter};
+use crate::pattern::{CreasePattern, Edge, EdgeId, Letter, Unit};
 use crate::read::FileError;
 use crate::symmetry::CreaseGroups;
 use crate::util::nan_max::bounding_box;
@@ -311,8 +311,20 @@ impl<'a> Sheet<'a> {
         let height = self.size.y.max(self.row) + 2.0 * MARGIN_UNITS;
         // Lines are 2 units wide, or a tenth of a median edge on fine sheets.
         let stroke = single((0.1 * self.scale * self.pattern.median_edge()).min(2.0));
+        // A sheet whose unit is known is drawn as large as it is.
+        let [shown_width, shown_height] = [width, height].map(|length| match self.pattern.unit() {
+            // SVG has no larger and no smaller units than these.
+            Some(unit @ (Unit::Millimetre | Unit::Centimetre | Unit::Inch | Unit::Point)) => {
+                format!("{}{}", length / self.scale, unit.name())
+            }
+            Some(unit) => {
+                let millimetres = unit.metres() / Unit::Millimetre.metres();
+                format!("{}mm", length / self.scale * millimetres)
+            }
+            None => length.to_string(),
+        });
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{shown_width}\" height=\"{shown_height}\" \
              viewBox=\"{left} {left} {width} {height}\">\n<title>{title}</title>\n\
              <desc>A unit of the sheet is {scale} units long.</desc>\n\
              <g fill=\"none\" stroke-width=\"{stroke}\" stroke-linecap=\"round\">\n{shapes}</g>\n\

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use foldpath_core::{Curve, GroupId, Interpolation, Membership, Node};
 use nalgebra::Vector3;
 
-use crate::pattern::{CreasePattern, EdgeId};
+use crate::pattern::{CreasePattern, EdgeId, Unit};
 
 /// A sheet and its motion.
 #[derive(Clone, Debug)]
@@ -368,6 +368,23 @@ impl Motion {
             knots.push(pair[1].clone());
         }
         self.with_knots(knots)
+    }
+
+    /// Sets the unit of lengths.
+    pub fn measured_in(&mut self, unit: Unit) {
+        Arc::make_mut(&mut self.pattern).measured_in(Some(unit));
+    }
+
+    /// Returns this motion with lengths in metres; `None` if its unit is not known.
+    #[must_use]
+    pub fn in_metres(&self) -> Option<Self> {
+        let factor = self.pattern.unit()?.metres();
+        let mut motion = self.clone();
+        motion.pattern = Arc::new(self.pattern.scaled(factor, Unit::Metre)?);
+        for knot in &mut motion.knots {
+            knot.vertices.iter_mut().for_each(|at| *at *= factor);
+        }
+        Some(motion)
     }
 
     /// Returns this motion with other knots and without phases.

@@ -83,6 +83,7 @@ impl CreasePattern {
             lost: None,
             y_down: false,
             straightens_within: None,
+            unit: None,
             tree: OnceLock::new(),
             precision: OnceLock::new(),
         };

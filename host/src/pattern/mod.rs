@@ -21,6 +21,7 @@ mod split;
 mod trace;
 mod tree;
 mod triangulate;
+mod unit;
 
 pub use bends::BEND_DEG;
 pub(crate) use bends::Diagonals;
@@ -38,3 +39,4 @@ pub use precision::{Digits, Precision};
 pub use rigidity::Rigidity;
 pub(crate) use trace::twice_area;
 pub use tree::{SpanningTree, Step};
+pub use unit::Unit;

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Vector2, Vector3};
 
 use super::precision::Precision;
-use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, SpanningTree, VertexId};
+use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, SpanningTree, Unit, VertexId};
 use crate::util::csr::Csr;
 
 /// An edge of a crease pattern.
@@ -66,6 +66,7 @@ pub struct CreasePattern {
     pub(super) lost: Option<LostLines>,
     pub(super) y_down: bool,
     pub(super) straightens_within: Option<f64>,
+    pub(super) unit: Option<Unit>,
     /// The spanning tree of the faces, once requested.
     pub(super) tree: OnceLock<SpanningTree>,
     /// The precision with which the pattern was written, once told or requested.

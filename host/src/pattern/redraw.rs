@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, PatternError, VertexId};
+use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, PatternError, Unit, VertexId};
 use crate::util::progress::Watch;
 
 impl CreasePattern {
@@ -36,8 +36,22 @@ impl CreasePattern {
         pattern.drawn = self.drawn;
         pattern.y_down = self.y_down;
         pattern.straightens_within = self.straightens_within;
+        pattern.unit = self.unit;
         pattern.written_with(self.precision());
         Ok(pattern)
+    }
+
+    /// Returns the pattern with all lengths multiplied by a factor, in another unit. Returns `None` if coordinates become too
+    /// large or too small.
+    pub(crate) fn scaled(&self, factor: f64, unit: Unit) -> Option<Self> {
+        let mut drawing = self.drawing();
+        drawing.vertices.iter_mut().for_each(|at| *at *= factor);
+        let mut pattern = self.redrawn(drawing, Watch::default()).ok()?;
+        let mut precision = self.precision();
+        precision.length = precision.length.scaled(factor);
+        pattern.written_with(precision);
+        pattern.unit = Some(unit);
+        Some(pattern)
     }
 
     /// Returns `true` if the sheet is cut, so that some edges or vertices of the drawing are there twice.

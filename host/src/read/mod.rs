@@ -27,7 +27,7 @@ pub use error::FileError;
 pub use format::Format;
 pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten, TOLERANCE};
 
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, Unit};
 use crate::progress::{Progress, Stage, Watch};
 use crate::straighten::{self, straightened};
 use crate::unfold::FoldedShape;
@@ -129,7 +129,30 @@ fn parse_within(
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
     }?;
     file.pattern = straightened_as_asked(file.pattern, options, watch);
+    if let Some(unit) = options.unit {
+        check_unit(path, file.pattern.unit(), unit)?;
+        file.pattern.measured_in(Some(unit));
+    }
     Ok(file)
+}
+
+/// Checks that a unit of lengths that the user tells does not contradict that of a file. `path` names the file in errors.
+///
+/// # Errors
+/// If it does.
+pub fn check_unit(path: &Path, unit: Option<Unit>, told: Unit) -> Result<(), FileError> {
+    match unit {
+        Some(unit) if unit != told => {
+            let expected = format!("no unit, or {}", told.name());
+            Err(FileError::expected(
+                path,
+                "the unit of lengths",
+                expected,
+                unit.name(),
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Straightens a pattern, or notes within which tolerance that may be done if it does not fold as it is.
@@ -189,6 +212,8 @@ pub struct ShapeFile {
     pub title: String,
     /// The shape.
     pub shape: FoldedShape,
+    /// Unit of lengths, if the file names one.
+    pub unit: Option<Unit>,
     /// Assumptions made while reading, one sentence each.
     pub notes: Vec<String>,
 }

@@ -29,6 +29,7 @@ pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileErro
         merge::merged(shape, &mut notes)
     };
     Ok(ShapeFile {
+        unit: None,
         title: stem(path),
         shape,
         notes,

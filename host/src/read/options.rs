@@ -6,7 +6,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::{FileError, Format};
-use crate::pattern::Letter;
+use crate::pattern::{Letter, Unit};
 use crate::util::range::Range;
 
 /// Distance within which lines of a drawing are meant to meet, in the drawing's own units.
@@ -23,6 +23,8 @@ pub struct ReadOptions {
     pub tolerance: Option<f64>,
     /// Patterns that are straightened.
     pub straighten: Straighten,
+    /// Unit of lengths, for a file that names none.
+    pub unit: Option<Unit>,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
 }

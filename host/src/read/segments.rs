@@ -19,7 +19,9 @@ use self::planar::{Looks, planar};
 use self::repairs::Repairs;
 use super::fold::PatternFile;
 use super::{FileError, ReadOptions, stem};
-use crate::pattern::{CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError};
+use crate::pattern::{
+    CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError, Unit,
+};
 use crate::progress::Watch;
 use crate::util::nan_max::bounding_box;
 
@@ -80,6 +82,8 @@ pub(super) struct LooseLines {
     pub(super) written: Option<Written>,
     /// `true` if y points down in the drawing. The segments have y pointing up.
     pub(super) y_down: bool,
+    /// Unit of lengths, if the drawing has one.
+    pub(super) unit: Option<Unit>,
     /// Assumptions made while reading.
     pub(super) notes: Vec<String>,
 }
@@ -107,6 +111,7 @@ pub(super) fn pattern_file(
         rounding,
         written,
         y_down,
+        unit,
         notes,
     } = lines;
     let written = written.unwrap_or_else(|| Written::as_drawn(&segments));
@@ -130,6 +135,7 @@ pub(super) fn pattern_file(
     } = sheet;
     pattern.lengths_written_with(length);
     pattern.straighten_within(Some(repairs.usual_tolerance));
+    pattern.measured_in(unit);
     notes.into_iter().for_each(|note| pattern.assume(note));
     for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);

@@ -54,6 +54,7 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
     };
     let mut notes = Vec::new();
     Ok(ShapeFile {
+        unit: None,
         title: stem(path),
         shape: merge::merged(soup, &mut notes),
         notes,

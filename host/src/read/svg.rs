@@ -13,6 +13,7 @@
 mod colour;
 mod limits;
 mod numbers;
+mod viewport;
 
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
@@ -23,6 +24,7 @@ use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
 use self::colour::Kind;
+use self::viewport::{Affine, Viewport};
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
 use super::segments::{LooseLines, MAX_LINES, Segment, Written, pattern_file};
@@ -45,8 +47,15 @@ pub(super) fn parse_pattern(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let wrong = FileError::wrong(path);
-    let (tree, mut notes) = check_text(text).and_then(|()| tree(text)).map_err(&wrong)?;
-    let strokes = strokes(tree.root(), &options.colours).map_err(&wrong)?;
+    let Drawn {
+        tree,
+        viewport,
+        mut notes,
+    } = check_text(text)
+        .and_then(|()| drawn(text))
+        .map_err(&wrong)?;
+    let (root, place) = viewport.content(tree.root());
+    let strokes = strokes(root, place, &options.colours).map_err(&wrong)?;
     notes.extend(colours_without_lines(&strokes, &options.colours));
     let mut colours: BTreeMap<&str, (Kind, usize)> = BTreeMap::new();
     for Stroke {
@@ -93,6 +102,7 @@ pub(super) fn parse_pattern(
             turned: strokes.iter().any(|stroke| stroke.lines.turned),
         }),
         y_down: true,
+        unit: viewport.unit,
         notes,
     };
     pattern_file(path, lines, options, watch)
@@ -125,8 +135,16 @@ pub(super) fn check_text(text: &str) -> Result<(), Wrong> {
 const UNUSED: &str = "* { fill: none !important; marker: none !important; filter: none !important; \
                       clip-path: none !important; mask: none !important }";
 
-/// Resolves styles, transforms and shapes. Returns the drawing and notes of the elements that are left out.
-fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
+/// A drawing whose styles, transforms and shapes are resolved.
+struct Drawn {
+    tree: Tree,
+    viewport: Viewport,
+    /// Notes of the elements that are left out.
+    notes: Vec<String>,
+}
+
+/// Resolves styles, transforms and shapes.
+fn drawn(text: &str) -> Result<Drawn, Wrong> {
     let no_drawing = |place: String, found: String| (place, "an SVG drawing".into(), found);
     let options = roxmltree::ParsingOptions {
         // Illustrator writes a DTD.
@@ -177,7 +195,11 @@ fn tree(text: &str) -> Result<(Tree, Vec<String>), Wrong> {
     ];
     let said = said.into_iter().filter(|(_, count)| *count > 0);
     let notes = said.map(|(what, count)| format!("{what}: {count}"));
-    Ok((tree, notes.collect()))
+    Ok(Drawn {
+        viewport: Viewport::of(root, tree.size()),
+        tree,
+        notes: notes.collect(),
+    })
 }
 
 /// The lines of one stroked path.
@@ -204,18 +226,21 @@ struct Lines {
     turned: bool,
 }
 
-/// Returns all strokes in the order in which they are painted.
-fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
+/// Returns all strokes in the order in which they are painted. `place` takes the coordinates of the root's children to those
+/// of the sheet, y pointing down.
+fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
-    let mut open: Vec<(&Node, f64)> = Vec::new();
-    open.extend(root.children().iter().rev().map(|node| (node, 1.0)));
+    let mut open: Vec<(&Node, f64, Affine)> = Vec::new();
+    open.extend(root.children().iter().rev().map(|node| (node, 1.0, place)));
     let mut number = 0_usize;
-    while let Some((node, opacity)) = open.pop() {
+    while let Some((node, opacity, place)) = open.pop() {
         match node {
             Node::Group(group) => {
                 let opacity = opacity * decimal(group.opacity().get());
-                open.extend(group.children().iter().rev().map(|node| (node, opacity)));
+                let place = place.after(group.transform());
+                let children = group.children().iter().rev();
+                open.extend(children.map(|node| (node, opacity, place)));
             }
             Node::Path(path) if path.is_visible() => {
                 let Some(stroke) = path.stroke() else {
@@ -229,19 +254,19 @@ fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
                     ),
                     _ => (Kind::Unknown, "gradient or pattern".into()),
                 };
-                let place = || {
+                let named = || {
                     let name = match path.id() {
                         "" => String::new(),
                         id => format!(" id=\"{}\"", id.chars().take(40).collect::<String>()),
                     };
                     format!("stroked shape {number}{name}, stroke {colour}")
                 };
-                let Some(lines) = lines(path) else {
-                    return Err((place(), "straight lines alone".into(), "a curve".into()));
+                let Some(lines) = lines(path, place) else {
+                    return Err((named(), "straight lines alone".into(), "a curve".into()));
                 };
                 total += lines.ends.len();
                 if total > MAX_LINES {
-                    return Err((place(), format!("at most {MAX_LINES} lines"), "more".into()));
+                    return Err((named(), format!("at most {MAX_LINES} lines"), "more".into()));
                 }
                 strokes.push(Stroke {
                     kind,
@@ -257,9 +282,8 @@ fn strokes(root: &Group, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
 }
 
 /// Returns the lines of a path, or `None` if a curve of the path is not straight.
-fn lines(path: &usvg::Path) -> Option<Lines> {
-    let t = path.abs_transform();
-    let [sx, kx, tx, ky, sy, ty] = [t.sx, t.kx, t.tx, t.ky, t.sy, t.ty].map(decimal);
+fn lines(path: &usvg::Path, place: Affine) -> Option<Lines> {
+    let Affine([[sx, kx, tx], [ky, sy, ty]]) = place;
     let point = |p: usvg::tiny_skia_path::Point| {
         let [x, y] = [p.x, p.y].map(decimal);
         Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))

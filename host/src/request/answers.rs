@@ -14,7 +14,7 @@ use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
 use crate::folding::worst_amplification;
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, EdgeId, Letter, Precision};
+use crate::pattern::{CreasePattern, EdgeId, Letter, Precision, Unit};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -96,6 +96,7 @@ answers! {
         solver: SolverJson = SolverJson::of(plan);
         collision: SweepCounts = plan.crossings.counts;
         seed: u64 = request.seed;
+        unit: Option<&'static str> = pattern.unit().map(Unit::name);
         precision: PrecisionJson = PrecisionJson::of(pattern.precision());
     }
 

@@ -18,6 +18,7 @@ use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::folding::{BOUND, DEFAULT_BOUND};
 use crate::pattern::BEND_DEG;
+use crate::pattern::Unit;
 use crate::planner::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
     MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
@@ -165,6 +166,11 @@ options! {
         /// No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn are
         /// straightened. Notes tell how many vertices are moved, and by how much.
         straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN";
+
+        /// Unit of the lengths of a file that names none
+        ///
+        /// A unit that differs from that of the file is an error. Places, lengths, paths and models have the unit of the file.
+        unit: Option<Unit> = None, heading: "Drawing", value_name: "UNIT";
 
         /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
         ///

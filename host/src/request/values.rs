@@ -7,6 +7,7 @@ use super::table::{Kind, OptionValue, word};
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
+use crate::pattern::Unit;
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::{ColourLetters, ColourLettersError, Straighten};
 
@@ -165,6 +166,15 @@ named! {
     Objective {
         "max": Self::Max, "The worst vertex";
         "sum": Self::Sum, "The sum over all vertices";
+    }
+    Unit {
+        "nm": Self::Nanometre, "Nanometres";
+        "um": Self::Micrometre, "Micrometres";
+        "mm": Self::Millimetre, "Millimetres";
+        "cm": Self::Centimetre, "Centimetres";
+        "m": Self::Metre, "Metres";
+        "in": Self::Inch, "Inches";
+        "pt": Self::Point, "Points, 72 to an inch";
     }
     Straighten {
         "auto": Self::Auto, "If a vertex is off by more than rounding: by a tenth of the usual tolerance";

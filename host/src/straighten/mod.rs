@@ -61,7 +61,7 @@ const NO_LENGTH_RATIO: f64 = 1e-6;
 /// Largest number of edges of a pattern that is straightened.
 const MAX_EDGES: usize = 1 << 14;
 
-/// How a pattern was straightened. `Display` makes a sentence of it.
+/// Description of the moves that straightened a pattern. `Display` makes a sentence of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Straightened {
     /// Number of vertices that were moved.
@@ -105,8 +105,8 @@ pub(crate) fn tolerance(pattern: &CreasePattern) -> f64 {
 }
 
 /// Straightens a pattern whose lines may be off by `tolerance`. No vertex moves farther than twice as far. Vertices, edges
-/// and faces keep their numbers, unless edges of no length are left out. What vertices move counts as rounding of the new
-/// pattern. Returns `None` if nothing has to be moved, no moves within the tolerance are found, or creases and faces would not stay what they are.
+/// and faces keep their numbers, unless edges of no length are left out. The new pattern counts as rounded to the longest
+/// move. Returns `None` if nothing has to be moved, no moves within the tolerance are found, or creases and faces would not stay what they are.
 pub(crate) fn straightened(
     pattern: &CreasePattern,
     tolerance: f64,

@@ -96,6 +96,7 @@ def plan(
     contact: float | None = None,
     tolerance: float | None = None,
     straighten: Literal["auto", "on", "off"] | None = None,
+    unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
     jobs: int | None = None,
 ) -> Plan:
@@ -156,6 +157,8 @@ def plan(
     - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
       do. No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn
       are straightened. Notes tell how many vertices are moved, and by how much
+    - ``unit``: Unit of the lengths of a file that names none. A unit that differs from that of the file is an error.
+      Places, lengths, paths and models have the unit of the file
     - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
       or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
       colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of

@@ -73,7 +73,7 @@ fn plan_shape() -> Value {
             "pairs": "count", "tested": "count", "skipped_symmetry": "count",
             "skipped_motion": "count", "skipped_bounds": "count", "skipped_edges": "count",
         },
-        "seed": "count", "precision": {"length": "number|null", "angle": "number|null"},
+        "seed": "count", "unit": "string|null", "precision": {"length": "number|null", "angle": "number|null"},
     })
 }
 

@@ -36,4 +36,5 @@ mod stream;
 mod terminal;
 mod traj;
 mod unfold;
+mod units;
 mod ways;

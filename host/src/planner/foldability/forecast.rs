@@ -54,7 +54,8 @@ pub struct Forecast {
     pub goal_motions: Option<usize>,
     /// Largest closure residual of the goal's angles, if they name every crease.
     pub goal_residual: Option<f64>,
-    /// How the pattern of which this is said was straightened; `None` if it is said of the pattern as it is drawn.
+    /// The moves that straightened the pattern, if these statements are on the straightened pattern; `None` if they are on the
+    /// pattern as it is drawn.
     pub straightened: Option<Straightened>,
 }
 

@@ -11,9 +11,10 @@ use super::measured::measured;
 use super::plane::{FLAT_PATTERN, NOT_FLAT, lay};
 use crate::pattern::{
     CreasePattern, Digits, Drawing, DrawnEdge, EdgeId, LARGEST, Letter, PatternError, Precision,
-    check_goal,
+    Unit, check_goal,
 };
 use crate::progress::Watch;
+use crate::read::error::quoted;
 use crate::read::segments::{self, LooseLines, Segment};
 use crate::read::{FileError, ReadOptions, stem};
 
@@ -96,6 +97,7 @@ fn repaired(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
+    let unit = unit(frame, &mut notes)?;
     let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
     let wrong =
         |expected: &str, found: &str| document.expected("the tolerance".into(), expected, found);
@@ -121,6 +123,7 @@ fn repaired(
     };
     let mut file = segments::pattern_file(&document.path, lines, options, watch)?;
     take_precision(&mut file.pattern, frame, written)?;
+    file.pattern.measured_in(unit);
     let title = title(document, frame)?;
     Ok(PatternFile { title, ..file })
 }
@@ -166,6 +169,7 @@ pub(super) fn pattern_of(
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
+    let unit = unit(frame, &mut notes)?;
     let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
     let mut pattern =
         CreasePattern::watched(drawing, watch).map_err(|source| match (&source, goals) {
@@ -182,6 +186,7 @@ pub(super) fn pattern_of(
         pattern.assume(note);
     }
     take_precision(&mut pattern, frame, written)?;
+    pattern.measured_in(unit);
     Ok(PatternFile {
         title: title(document, frame)?,
         pattern,
@@ -300,6 +305,25 @@ fn take_precision(
     });
     Ok(())
 }
+
+/// Returns the unit of lengths that a frame names; a name that is none of FOLD's is noted.
+pub(super) fn unit(frame: &Frame<'_>, notes: &mut Vec<String>) -> Result<Option<Unit>, FileError> {
+    let Some(name) = frame.get("frame_unit").filter(|name| !name.is_null()) else {
+        return Ok(None);
+    };
+    let name = name.text()?;
+    let unit = Unit::from_name(name);
+    if unit.is_none() && name != NO_UNIT {
+        let shown = quoted(name);
+        notes.push(format!(
+            "frame_unit: {shown} is none of FOLD's units, lengths are taken to have none"
+        ));
+    }
+    Ok(unit)
+}
+
+/// FOLD's name of lengths without a unit.
+const NO_UNIT: &str = "unit";
 
 /// Returns the drawing of a frame, and the precision of its coordinates if they had to be turned into a plane.
 fn drawing(

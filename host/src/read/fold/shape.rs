@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::document::{Document, Frame};
 use super::keys;
-use super::pattern::{Goals, edges, faces, goals, letters, points, title};
+use super::pattern::{Goals, edges, faces, goals, letters, points, title, unit};
 use crate::read::{FileError, ShapeFile};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
@@ -49,6 +49,7 @@ pub fn parse_shape(
         angle: goals.as_ref().and_then(|goals| goals.angles[index]),
     });
     Ok(ShapeFile {
+        unit: unit(&frame, &mut notes)?,
         title: title(&document, &frame)?,
         shape: FoldedShape {
             vertices,
