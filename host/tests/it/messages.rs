@@ -163,7 +163,7 @@ fn reasons_are_sentences() {
                 essential: Rigidity::default(),
                 bound: 0.01,
             },
-            "the whole sheet deforms by 2.000e-2 with gaps of 3.000e-2 and closure 5.000e-2, over the bound 1.000e-2; \
+            "measured at its knots, the whole sheet deforms by 2.000e-2 with gaps of 3.000e-2 and closure 5.000e-2, over the bound 1.000e-2; \
              its essential crease pattern by 0.000e0 with gaps of 0.000e0"
                 .into(),
         ),
@@ -172,7 +172,7 @@ fn reasons_are_sentences() {
                 rigidity,
                 bound: 0.01,
             },
-            "folded from a face at its rim, the sheet deforms by 2.000e-2 with gaps of 3.000e-2, over the bound \
+            "measured at its knots and folded from a face at its rim, the sheet deforms by 2.000e-2 with gaps of 3.000e-2, over the bound \
              1.000e-2"
                 .into(),
         ),

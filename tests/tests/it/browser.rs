@@ -445,14 +445,14 @@ fn what_is_in_the_way_of_a_path_that_falls_short_is_lit() {
     let planned = along_letters(drawing, 0.5, 0.0);
     let scene = scene(&planned);
     let shortfall = scene.shortfall.as_ref().unwrap();
-    assert_eq!(shortfall.outcome, "near_goal");
+    assert_eq!(shortfall.outcome, "partial");
     let [cause] = &shortfall.causes[..] else {
         panic!("{:?}", shortfall.causes)
     };
     let view = View::open(&scene, &[]);
     let text = view.text("#shortfall");
     assert!(
-        text.contains("near goal") && text.contains(&cause.message),
+        text.contains("partial") && text.contains(&cause.message),
         "{text}"
     );
     let lit = view.drawn();

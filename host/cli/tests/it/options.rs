@@ -510,7 +510,8 @@ fn letters_are_followed_only_if_all_creases_turn() {
     folder.write("locked.fold", &sheet.to_string());
     let locked = folder.run("plan locked.fold --fold 0.5 --json");
     let locked = locked.with_status(1).json();
-    assert_eq!(locked["outcome"], "near_goal", "{locked}");
+    // One of four lettered creases turns: that is not near the goal.
+    assert_eq!(locked["outcome"], "partial", "{locked}");
     assert_eq!(locked["flat_creases"], 3);
     let reason = locked["reason"].as_str().unwrap();
     assert!(

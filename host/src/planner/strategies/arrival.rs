@@ -1,11 +1,11 @@
 //! Decides whether a path ends at its goal, and which creases it leaves flat.
 
-use crate::planner::Goal;
 use crate::planner::lifting::lifted::Lifted;
 use crate::planner::plan::Outcome;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
 use crate::planner::vectors::fraction;
+use crate::planner::{Goal, GoalKind};
 use crate::symmetry::CreaseGroups;
 
 /// Fraction of its goal by which a crease has to be turned to count for a path that ends near the goal.
@@ -54,12 +54,14 @@ pub(super) fn judge_arrival(
     count
 }
 
-/// Returns `true` if at least half of the lettered creases are turned by a tenth of their goal.
+/// Returns `true` if at least half of the lettered creases are turned by a tenth of their goal. A crease that has no goal but
+/// its letter, and is held flat, is not turned.
 fn is_near(goal: &Goal, angles: &[f64]) -> bool {
     let asked = goal.signs.iter().zip(&goal.fold_angles).zip(angles);
     let asked = asked.filter_map(|((sign, asked), angle)| {
-        let asked = asked.filter(|asked| sign.abs() > 0.0 && asked.abs() > 0.0)?;
-        Some(angle * asked.signum() >= NEAR_RATIO * asked.abs())
+        let asked = asked.filter(|_| sign.abs() > 0.0)?;
+        let is_held = asked.abs() <= 0.0 && goal.kind == GoalKind::Letters;
+        Some(!is_held && angle * asked.signum() >= NEAR_RATIO * asked.abs())
     });
     let turned: Vec<bool> = asked.collect();
     let count = turned.iter().filter(|turned| **turned).count();

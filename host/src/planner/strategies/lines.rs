@@ -28,9 +28,10 @@ pub(crate) fn turn_lines_alone(context: &Context<'_>, attempts: &mut Vec<Attempt
     context.pass(&problem, attempts)
 }
 
-/// Returns `true` if a plan leads near its goal and turns the sheet's creases by more than another one.
+/// Returns `true` if a plan turns the sheet's creases by more than another one, and nothing but its goal is in the way.
 pub(crate) fn turns_more(new: &Plan, best: &Plan) -> bool {
-    new.outcome == Outcome::NearGoal && turned(new) > turned(best)
+    let ends_before = matches!(new.outcome, Outcome::NearGoal | Outcome::Partial);
+    ends_before && turned(new) > turned(best)
 }
 
 /// Returns the sum of the angles by which creases are turned at the end of a path, radians.
