@@ -90,13 +90,18 @@ impl CreasePattern {
         pattern.neighbours = pattern.find_neighbours();
         pattern.sheets = pattern.find_sheets();
         pattern.holes = pattern.find_holes();
-        if pattern.sheets() > 1 {
-            pattern.assume(format!(
-                "{} sheets that no edge joins: the middle face of each stays where it is drawn",
-                pattern.sheets()
+        pattern.note_sheets();
+        Ok(pattern)
+    }
+
+    /// Notes what is assumed of several sheets.
+    fn note_sheets(&mut self) {
+        let count = self.sheets();
+        if count > 1 {
+            self.assume(format!(
+                "{count} sheets that no edge joins: the middle face of each stays where it is drawn"
             ));
         }
-        Ok(pattern)
     }
 }
 

@@ -134,9 +134,7 @@ pub(super) fn comoving_faces(
         tolerance,
         nearly: false,
     };
-    for roots in pattern.tree().roots().windows(2) {
-        bodies.join([roots[0].index(), roots[1].index()], 0.0);
-    }
+    bodies.join_roots(pattern);
     let mut hinges = Vec::new();
     let mut torn_edges = Vec::new();
     for (index, edge) in pattern.edges().iter().enumerate() {
@@ -201,6 +199,13 @@ struct Bodies {
 }
 
 impl Bodies {
+    /// Joins the faces at which the sheets are held.
+    fn join_roots(&mut self, pattern: &CreasePattern) {
+        for roots in pattern.tree().roots().windows(2) {
+            self.join([roots[0].index(), roots[1].index()], 0.0);
+        }
+    }
+
     /// Joins the bodies of two faces that move relative to each other by `more`, unless the faces of the joined body then
     /// move by more than the tolerance. Returns `true` if bodies were joined.
     fn join(&mut self, faces: [usize; 2], more: f64) -> bool {

@@ -239,12 +239,11 @@ pub(crate) fn first_step(
         let leave =
             |tolerance| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
         let within = reduction.closure_tolerance(&options);
-        let explained = (rounding > 0.0).then_some(rounding.min(within));
-        for tolerance in [Some(0.0), explained].into_iter().flatten() {
-            let found = leave(tolerance);
-            let Some(x) = found.first() else {
-                continue;
-            };
+        let mut found = leave(0.0);
+        if found.is_empty() && rounding > 0.0 {
+            found = leave(rounding.min(within));
+        }
+        if let Some(x) = found.first() {
             let creases = reduction.groups.expand(x);
             let least = UNTURNED_RATIO * max_norm(x);
             let asked = goal.fold_angles.iter().zip(&goal.signs);
