@@ -127,17 +127,24 @@ impl Digits {
     /// in which all have few digits and that is the least precise. Whole degrees
     /// and multiples of 2.5 are meant as they are.
     #[must_use]
-    pub fn of_angles(angles: impl Iterator<Item = f64> + Clone) -> Self {
+    pub fn of_angles(angles: impl Iterator<Item = f64>) -> Self {
         let is_round = |angle: f64| {
             let multiples = ROUND_DEG.map(|round| angle.to_degrees() / round);
             multiples
                 .iter()
                 .any(|multiple| (multiple - multiple.round()).abs() < 1e-9)
         };
-        let uneven = angles.filter(|angle| angle.is_finite() && !is_round(*angle));
+        // Tessellations have few different angles.
+        let mut uneven: Vec<f64> = angles
+            .filter(|angle| angle.is_finite())
+            .map(f64::abs)
+            .collect();
+        uneven.sort_unstable_by(f64::total_cmp);
+        uneven.dedup_by(|a, b| a.to_bits() == b.to_bits());
+        uneven.retain(|angle| !is_round(*angle));
         let degree = 1_f64.to_radians();
         let written = [degree, 1.0, core::f64::consts::PI].map(|unit| {
-            let digits = Self::written(uneven.clone().map(|angle| angle / unit));
+            let digits = Self::written(uneven.iter().map(|angle| angle / unit));
             digits.scaled(unit)
         });
         let decimal = written
