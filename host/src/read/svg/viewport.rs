@@ -38,7 +38,7 @@ impl Affine {
     }
 }
 
-/// What the root element says of coordinates.
+/// Unit and scale of the coordinates, as the root element gives them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Viewport {
     /// Unit of lengths, if the drawing's width and height have one.
@@ -120,7 +120,7 @@ impl Viewport {
         (root, Affine::scale(scale))
     }
 
-    /// Returns `true` if a transform is that from user units to pixels. How the view box is aligned does not matter.
+    /// Returns `true` if a transform is that from user units to pixels. The alignment of the view box does not count.
     fn is_view(&self, found: Transform) -> bool {
         let Affine([[sx, ..], [_, sy, _]]) = self.pixels;
         let Affine([[fx, kx, tx], [ky, fy, ty]]) = Affine::scale([1.0; 2]).after(found);
