@@ -1,8 +1,8 @@
 //! Answers whether faces pass through each other, at one configuration or anywhere on a motion.
 //!
 //! This is the only module that names parry3d. Faces are cut into convex pieces. A [`CollisionScene`] judges one
-//! configuration: the broad phase, a bounding volume hierarchy, finds the pairs of pieces whose boxes overlap, and the narrow phase, [`crossing_depth`], judges each of these pairs. A
-//! [`Sweep`] judges a whole motion by conservative advancement. `routes.rs` decides for all callers whether the
+//! configuration: the broad phase, a bounding volume hierarchy, finds the pairs of pieces whose boxes overlap, and the
+//! narrow phase, [`crossing_depth`], judges each of these pairs. A [`Sweep`] judges a whole motion by conservative advancement. `routes.rs` decides for all callers whether the
 //! lattice of a tessellation stands in for its faces, and what a search may cost.
 //!
 //! No pair is left out without a bound. A pair of pieces needs no query, for a while or for good, in these places.

@@ -72,6 +72,9 @@ impl CreasePattern {
         diagonals: Vec<[VertexId; 2]>,
         bends: impl Fn(EdgeId) -> bool,
     ) -> Option<Self> {
+        if self.is_cut() {
+            return None;
+        }
         let mut drawing = self.drawing();
         for (index, (drawn, edge)) in drawing.edges.iter_mut().zip(&self.edges).enumerate() {
             if edge.inner_faces().is_some() && bends(EdgeId::new(index)) {
@@ -86,7 +89,7 @@ impl CreasePattern {
                 goal: None,
             }));
         let is_bent = drawing.edges.iter().any(|edge| edge.letter == Letter::Bend);
-        if self.is_cut() || !is_bent {
+        if !is_bent {
             return None;
         }
         let faces = faces.iter();

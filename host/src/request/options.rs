@@ -17,8 +17,7 @@ use crate::export::ExportOptions;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::folding::{BOUND, DEFAULT_BOUND};
-use crate::pattern::BEND_DEG;
-use crate::pattern::Unit;
+use crate::pattern::{BEND_DEG, Unit};
 use crate::planner::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
     MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,

@@ -89,6 +89,30 @@ impl OptionValue for ColourLetters {
     }
 }
 
+impl OptionValue for Unit {
+    const KIND: Kind = Kind::Names(&[
+        (Self::Nanometre.name(), "Nanometres"),
+        (Self::Micrometre.name(), "Micrometres"),
+        (Self::Millimetre.name(), "Millimetres"),
+        (Self::Centimetre.name(), "Centimetres"),
+        (Self::Metre.name(), "Metres"),
+        (Self::Inch.name(), "Inches"),
+        (Self::Point.name(), "Points, 72 to an inch"),
+    ]);
+
+    fn read(value: &Value) -> Result<Self, String> {
+        word(
+            value,
+            &Self::ALL.map(Self::name).join(", "),
+            Self::from_name,
+        )
+    }
+
+    fn json(&self) -> Value {
+        self.name().into()
+    }
+}
+
 /// Gives values of a type their names on the command line and in JSON, and says what each means; nothing if the name says
 /// it.
 macro_rules! named {
@@ -167,17 +191,8 @@ named! {
         "max": Self::Max, "The worst vertex";
         "sum": Self::Sum, "The sum over all vertices";
     }
-    Unit {
-        "nm": Self::Nanometre, "Nanometres";
-        "um": Self::Micrometre, "Micrometres";
-        "mm": Self::Millimetre, "Millimetres";
-        "cm": Self::Centimetre, "Centimetres";
-        "m": Self::Metre, "Metres";
-        "in": Self::Inch, "Inches";
-        "pt": Self::Point, "Points, 72 to an inch";
-    }
     Straighten {
-        "auto": Self::Auto, "If a vertex is off by more than rounding: by a tenth of the usual tolerance";
+        "auto": Self::Auto, "If the sheet does not fold as it is drawn";
         "on": Self::On, "Always";
         "off": Self::Off, "Never";
     }

@@ -55,7 +55,7 @@ const SAME_ANGLE_RAD: f64 = 1e-3;
 /// Largest number of times that conditions which contradict each other are given up.
 const MAX_ROUNDS: usize = 12;
 
-/// Largest length of an edge that counts as none once the pattern is straightened, as a fraction of the reach.
+/// Largest length of an edge that counts as none once the pattern is straightened, as a fraction of the tolerance.
 const NO_LENGTH_RATIO: f64 = 1e-6;
 
 /// Largest number of edges of a pattern that is straightened.
@@ -106,7 +106,8 @@ pub(crate) fn tolerance(pattern: &CreasePattern) -> f64 {
 
 /// Straightens a pattern whose lines may be off by `tolerance`. No vertex moves farther than twice as far. Vertices, edges
 /// and faces keep their numbers, unless edges of no length are left out. The new pattern counts as rounded to the longest
-/// move. Returns `None` if nothing has to be moved, no moves within the tolerance are found, or creases and faces would not stay what they are.
+/// move. Returns `None` if nothing has to be moved, no moves within the tolerance are found, or creases and faces would not
+/// stay what they are.
 pub(crate) fn straightened(
     pattern: &CreasePattern,
     tolerance: f64,
@@ -134,12 +135,12 @@ pub(crate) fn straightened(
         .count();
     let farthest = moves.into_iter().enumerate();
     let (vertex, farthest) = farthest.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-    let lengths = drawing
+    let mut ends = drawing
         .edges
         .iter()
         .map(|edge| edge.ends.map(|end| drawing.vertices[end]));
     let no_length = |[a, b]: [Vector2<f64>; 2]| (b - a).norm() <= NO_LENGTH_RATIO * tolerance;
-    let mut straight = if lengths.clone().any(no_length) {
+    let mut straight = if ends.any(no_length) {
         pattern.contracted(drawing, no_length, watch)?
     } else {
         pattern.redrawn(drawing, watch).ok()?

@@ -10,7 +10,7 @@ use std::path::Path;
 use foldpath::check::{CheckOptions, check};
 use foldpath::export::fold::motion_text;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Foldability, Goal, Outcome, PlanOptions, forecast, plan};
+use foldpath::planner::{Goal, Outcome, PlanOptions, forecast, plan};
 use foldpath::progress::Watch;
 use foldpath::read::parse_pattern;
 use foldpath::symmetry::CreaseGroups;
@@ -18,6 +18,7 @@ use nalgebra::{Rotation2, Vector2};
 use serde_json::json;
 
 use super::Family;
+use crate::meshes::renumbered;
 use crate::{Random, path_file};
 
 /// Number of decimals of a drawing; none for all digits.
@@ -131,29 +132,6 @@ impl Way {
     }
 }
 
-/// Returns the drawing with vertices and edges in another order, faces left out.
-fn renumbered(sheet: &Drawing, random: &mut Random) -> Drawing {
-    let order = random.permutation(sheet.vertices.len());
-    let mut vertices = sheet.vertices.clone();
-    for (place, &at) in sheet.vertices.iter().zip(&order) {
-        vertices[at] = *place;
-    }
-    let edges = random.permutation(sheet.edges.len());
-    let edges = edges.iter().map(|&edge| {
-        let DrawnEdge { ends, letter, goal } = sheet.edges[edge];
-        let mut ends = ends.map(|end| order[end]);
-        if random.chance(0.5) {
-            ends.reverse();
-        }
-        DrawnEdge { ends, letter, goal }
-    });
-    Drawing {
-        edges: edges.collect(),
-        vertices,
-        faces: None,
-    }
-}
-
 /// Returns a number rounded to decimals.
 fn to_decimals(x: f64, decimals: Decimals) -> f64 {
     decimals.map_or(x, |decimals| format!("{x:.decimals$}").parse().unwrap_or(x))
@@ -194,6 +172,7 @@ const ANGLE_DECIMALS: usize = 9;
 /// Writes an SVG drawing, angles as opacity. Other lines than borders, mountains and valleys have the colours of Origami
 /// Simulator.
 fn svg(sheet: &Drawing, decimals: Decimals, unit: &str, group: Option<&str>) -> String {
+    let sheet = rounded(sheet, decimals);
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100{unit}\" height=\"100{unit}\" viewBox=\"0 0 100 100\">\n"
     );
@@ -201,9 +180,7 @@ fn svg(sheet: &Drawing, decimals: Decimals, unit: &str, group: Option<&str>) -> 
         let _ = writeln!(text, "<g transform=\"{group}\">");
     }
     for edge in &sheet.edges {
-        let [a, b] = edge
-            .ends
-            .map(|end| sheet.vertices[end].map(|x| to_decimals(x, decimals)));
+        let [a, b] = edge.ends.map(|end| sheet.vertices[end]);
         let colour = match edge.letter {
             Letter::Mountain => "#ff0000",
             Letter::Valley => "#0000ff",
@@ -284,10 +261,9 @@ impl Way {
 
 /// Writes a CP drawing.
 fn cp(sheet: &Drawing, decimals: Decimals) -> String {
+    let sheet = rounded(sheet, decimals);
     let lines = sheet.edges.iter().map(|edge| {
-        let [a, b] = edge
-            .ends
-            .map(|end| sheet.vertices[end].map(|x| to_decimals(x, decimals)));
+        let [a, b] = edge.ends.map(|end| sheet.vertices[end]);
         let kind = match edge.letter {
             Letter::Mountain => 2,
             Letter::Valley => 3,
@@ -331,11 +307,7 @@ fn said((name, text): &(&str, String), timeout: Duration) -> Result<Option<Said>
     Ok(Some(Said {
         plan: planned.outcome.name(),
         check: checked,
-        info: if foreseen == Foldability::Unknown {
-            ""
-        } else {
-            foreseen.name()
-        },
+        info: foreseen.name(),
     }))
 }
 

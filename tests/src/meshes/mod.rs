@@ -29,7 +29,7 @@ pub use net::{net, net_of};
 pub use simple_folds::simple_folds;
 pub use strips::{strips, wide_strips};
 pub use tree::{chain, tree};
-pub use variant::variant;
+pub use variant::{renumbered, variant};
 pub use vertex::{slender, vertex};
 
 use crate::{Closure, Random};

@@ -12,30 +12,48 @@ pub fn variant(drawing: &Drawing, random: &mut Random) -> Drawing {
     let scale = random.log_uniform(1e-3, 1e3);
     let turn = Rotation2::new(random.uniform(0.0, core::f64::consts::TAU));
     let (mirror, side) = (random.sign(), random.sign());
+    let vertices = drawing.vertices.iter().map(|place| {
+        let mut place = turn * place * scale;
+        place.x *= mirror;
+        place
+    });
+    let edges = drawing.edges.iter().map(|edge| DrawnEdge {
+        letter: if side < 0.0 {
+            edge.letter.flipped()
+        } else {
+            edge.letter
+        },
+        goal: edge.goal.map(|goal| side * goal),
+        ..*edge
+    });
+    let redrawn = Drawing {
+        vertices: vertices.collect(),
+        edges: edges.collect(),
+        faces: None,
+    };
+    renumbered(&redrawn, random)
+}
+
+/// Returns the drawing with its vertices and edges in another order, some edges from end to start, without faces.
+#[must_use]
+pub fn renumbered(drawing: &Drawing, random: &mut Random) -> Drawing {
     let order = random.permutation(drawing.vertices.len());
     let mut vertices = drawing.vertices.clone();
     for (place, &at) in drawing.vertices.iter().zip(&order) {
-        let mut place = turn * place * scale;
-        place.x *= mirror;
-        vertices[at] = place;
+        vertices[at] = *place;
     }
     let edges = random.permutation(drawing.edges.len());
-    let redrawn = edges.iter().map(|&edge| {
+    let edges = edges.iter().map(|&edge| {
         let DrawnEdge { ends, letter, goal } = drawing.edges[edge];
         let mut ends = ends.map(|end| order[end]);
         if random.chance(0.5) {
             ends.reverse();
         }
-        DrawnEdge {
-            ends,
-            letter: if side < 0.0 { letter.flipped() } else { letter },
-            goal: goal.map(|goal| side * goal),
-        }
+        DrawnEdge { ends, letter, goal }
     });
-    let edges = redrawn.collect();
     Drawing {
+        edges: edges.collect(),
         vertices,
-        edges,
         faces: None,
     }
 }
