@@ -42,3 +42,4 @@ pub(crate) use routes::{Openness, Routed, SearchEffort, Searched, SearchedSheet}
 pub use scene::{CollisionScene, Crossing};
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 pub use tolerances::CONTACT_EDGES;
+pub(crate) use tolerances::CROSSING_DEPTH_EDGES;

@@ -5,11 +5,11 @@ use core::ops::Range;
 use nalgebra::{Vector2, Vector3};
 
 use super::convex::{convex_parts, least_width, size};
-use super::narrow::crossing::{ConvexPiece, depth_within, side_crossing_depth};
+use super::narrow::crossing::{Allowed, ConvexPiece, Lean, Overlap, side_crossing_depth};
 use super::sides::Side;
 use super::tolerances::{
     CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
-    MAX_ROUNDING_RATIO,
+    MAX_ROUNDING_RATIO, MIN_LEFT_RATIO,
 };
 use crate::pattern::{CreasePattern, FaceId, Precision, VertexId};
 
@@ -42,16 +42,13 @@ impl Contact {
         }
     }
 
-    /// Returns the depth that counts as a crossing of two pieces in a sheet without rounding, units of the sheet.
-    pub(super) fn depth(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
-        self.depth
-            .min(CROSSING_DEPTH_RATIO * pieces.smaller_size(pair))
-    }
-
-    /// Returns the depth up to which an overlap of two pieces is contact, units of the sheet.
-    pub(super) fn of(&self, pieces: &Pieces, pair: [u32; 2]) -> f64 {
-        let most = MAX_ROUNDING_RATIO * pieces.smaller_size(pair);
-        self.depth(pieces, pair) + self.rounding.min(most)
+    /// Returns the depth up to which an overlap of two pieces is contact, if a tear has moved them by `torn` at most.
+    pub(super) fn of(&self, pieces: &Pieces, pair: [u32; 2], torn: f64) -> Allowed {
+        let size = pieces.smaller_size(pair);
+        Allowed {
+            within: self.depth.min(CROSSING_DEPTH_RATIO * size),
+            shift: self.rounding.min(MAX_ROUNDING_RATIO * size) + torn,
+        }
     }
 
     /// Returns the depth that counts as a crossing of faces that are not small, in a sheet without rounding.
@@ -315,37 +312,50 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// Returns the depth to which the pieces cross, alone or together with the pieces joined to them; 0 if it
-    /// does not exceed `tolerance`.
-    pub(super) fn depth(&self, a: u32, b: u32, tolerance: f64) -> f64 {
-        let (mut depth, [on_second, on_first]) = self.depth_alone([a, b], tolerance);
+    /// Returns the depth to which the pieces cross, alone or together with the pieces joined to them; 0 if they are in
+    /// contact at most.
+    #[inline]
+    pub(super) fn depth(&self, [a, b]: [u32; 2], allowed: Allowed) -> f64 {
+        let [first, second] = [a, b].map(|index| self.piece(index));
+        let tolerance = allowed.within;
+        let reach = first.reach(&second, tolerance);
+        if reach.is_clear(allowed) {
+            return 0.0;
+        }
+        let reaches = [reach, second.reach(&first, tolerance)];
+        if reaches[1].is_clear(allowed) {
+            return 0.0;
+        }
+        let overlap = Overlap::of(&first, &second, reaches, allowed);
+        let mut depth = overlap.map_or(0.0, |overlap| overlap.depth(allowed));
         if depth > 0.0 {
             return depth;
         }
-        if on_second {
-            depth = depth.max(self.beyond(a, b, tolerance));
+        for (on, [piece, other]) in reaches.into_iter().zip([[a, b], [b, a]]) {
+            if on.stands(tolerance) {
+                depth = depth.max(self.beyond(piece, other, tolerance));
+            }
         }
-        if on_first {
-            depth = depth.max(self.beyond(b, a, tolerance));
+        if depth > allowed.largest() {
+            depth
+        } else {
+            0.0
         }
-        depth
     }
 
-    /// Returns the depth to which the pieces cross without the pieces joined to them. If that is 0, the flag of a piece
-    /// is `true` if the piece stands on the other one, so that pieces joined to it may lie on the other side.
-    #[inline]
-    pub(super) fn depth_alone(&self, pair: [u32; 2], tolerance: f64) -> (f64, [bool; 2]) {
-        let [first, second] = pair.map(|index| self.piece(index));
-        let reach = first.reach(&second, tolerance);
-        if reach.is_clear(tolerance) {
-            return (0.0, [false; 2]);
-        }
-        let reaches = [reach, second.reach(&first, tolerance)];
-        if reaches[1].is_clear(tolerance) {
-            return (0.0, [false; 2]);
-        }
-        let depth = depth_within(&first, &second, reaches, tolerance);
-        (depth, reaches.map(|reach| reach.stands(tolerance)))
+    /// Returns by how much points of two pieces may approach each other at least until an overlap is no longer contact. The
+    /// pieces are apart by a distance or an angle above 0, or else overlap. `turn` bounds the turn until then, radians.
+    pub(super) fn left(&self, pair: [u32; 2], apart: f64, turn: f64, allowed: Allowed) -> f64 {
+        let [a, b] = pair.map(|index| self.piece(index));
+        let lean = Lean::of(&a, &b, turn);
+        let reaches = || [a.reach(&b, 0.0), b.reach(&a, 0.0)];
+        let overlap = (apart <= 0.0)
+            .then(|| Overlap::of(&a, &b, reaches(), Allowed::NOTHING))
+            .flatten();
+        let most = allowed.across(lean);
+        overlap.map_or(most, |overlap| {
+            overlap.left(allowed, lean).max(MIN_LEFT_RATIO * most)
+        })
     }
 
     /// Returns the distance between the positions that two pieces give a vertex that they share, the largest if they share

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::hierarchy::{Hierarchy, Sphere};
+use super::narrow::crossing::Allowed;
 use super::pairs::{Batch, PairSource};
-use super::pieces::{Contact, Pieces, Placed};
+use super::pieces::{Pieces, Placed};
 use super::sweep::Place;
 use super::sweep::chains::Link;
 use super::sweep::motion::{Motion, Tick};
@@ -221,8 +222,9 @@ impl<'a> PlacedPieces<'a> {
         }
     }
 
-    /// Returns the depth to which two pieces cross, alone or together with those that share a side with them.
-    pub(super) fn depth(&mut self, nodes: [u32; 2], contact: Contact) -> f64 {
+    /// Returns the depth to which two pieces cross, alone or together with those that share a side with them; 0 if they
+    /// are in contact at most.
+    pub(super) fn depth(&mut self, nodes: [u32; 2], allowed: Allowed) -> f64 {
         for piece in nodes {
             self.pieces.join(self.pattern, piece);
         }
@@ -234,7 +236,6 @@ impl<'a> PlacedPieces<'a> {
             }
             self.put_piece(piece);
         }
-        let tolerance = contact.depth(&self.pieces, nodes);
-        self.placed().depth(nodes[0], nodes[1], tolerance)
+        self.placed().depth(nodes, allowed)
     }
 }

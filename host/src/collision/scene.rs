@@ -89,8 +89,9 @@ impl CollisionScene {
             normals: &self.normals,
         };
         let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
-            let depth = placed.depth(a, b, contact.depth(pieces, [a, b]));
-            if depth <= 0.0 || depth <= contact.of(pieces, [a, b]) + placed.torn([a, b]) {
+            let allowed = contact.of(pieces, [a, b], placed.torn([a, b]));
+            let depth = placed.depth([a, b], allowed);
+            if depth <= 0.0 {
                 return;
             }
             let crossing = Crossing::new(faces, depth);
@@ -99,7 +100,7 @@ impl CollisionScene {
             }
         };
         for (pair, side) in &self.sides {
-            if side.may_cross(&placed, contact.depth(pieces, *pair))
+            if side.may_cross(&placed, contact.of(pieces, *pair, 0.0).within)
                 && let Some(faces) = pieces.comparable(pair[0], pair[1])
             {
                 judge(faces, *pair);

@@ -62,6 +62,12 @@ fn swept(strip: &Strip) -> SweepVerdict {
     Sweep::new(&pattern, &memberships, options, None).sweep(&[strip.curves()])
 }
 
+/// Seeds of strips that cross as they end, by little more than contact: the panels enclose small angles, so that they hardly
+/// reach through each other's planes.
+const NEARLY_FREE: [u64; 13] = [
+    2133, 3231, 3333, 3492, 5067, 6210, 6663, 8052, 9309, 10332, 10617, 11061, 59286,
+];
+
 /// Verdict of a sweep on a strip, and of exact arithmetic.
 struct Judged {
     truth: Truth,
@@ -94,7 +100,7 @@ fn judged(seed: u64) -> Judged {
 }
 
 /// Judges strips with these seeds, and prints a table of the verdicts.
-fn compare(seeds: core::ops::Range<u64>) {
+fn compare(seeds: Vec<u64>) {
     let judged: Vec<(u64, Judged)> = seeds
         .into_par_iter()
         .map(|seed| (seed, judged(seed)))
@@ -143,12 +149,12 @@ fn compare(seeds: core::ops::Range<u64>) {
 
 #[test]
 fn sweeps_answer_as_exact_arithmetic_does() {
-    compare(0..1000);
+    compare((0..1000).chain(NEARLY_FREE).collect());
 }
 
 /// The long form, in the full tier.
 #[test]
 #[ignore = "takes a quarter of an hour"]
 fn many_sweeps_answer_as_exact_arithmetic_does() {
-    compare(0..100_000);
+    compare((0..100_000).collect());
 }

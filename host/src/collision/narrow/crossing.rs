@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use crate::collision::tolerances::CLOSE_TO_PLANE_RATIO;
+use crate::collision::tolerances::{CLOSE_TO_PLANE_RATIO, MIN_LEAN};
 
 /// A convex planar polygon in space.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +80,136 @@ impl ConvexPiece<'_> {
     }
 }
 
+/// Depth up to which an overlap of two pieces is contact, units of the sheet.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::collision) struct Allowed {
+    /// Depth within the planes of the pieces: they are free if they are so once both are smaller by this all round.
+    pub(in crate::collision) within: f64,
+    /// Distance, in any direction, by which pieces may be elsewhere than they are placed.
+    pub(in crate::collision) shift: f64,
+}
+
+impl Allowed {
+    /// No overlap is contact.
+    pub(in crate::collision) const NOTHING: Self = Self {
+        within: 0.0,
+        shift: 0.0,
+    };
+
+    /// Returns the extent up to which a piece may reach through the plane of another while the two planes enclose these
+    /// angles.
+    pub(in crate::collision) fn across(self, lean: Lean) -> f64 {
+        self.within * lean.least() + self.shift
+    }
+
+    /// Returns the least of these extents at any angle.
+    fn least_across(self) -> f64 {
+        self.within * MIN_LEAN + self.shift
+    }
+
+    /// Returns the largest of these extents, which is also the longest segment that pieces may share.
+    pub(in crate::collision) fn largest(self) -> f64 {
+        self.within + self.shift
+    }
+}
+
+/// Angles that the planes of two pieces enclose in some time, by their sines.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::collision) struct Lean {
+    from: f64,
+    to: f64,
+}
+
+impl Lean {
+    /// Returns the angles that two pieces take on while they turn by `turn` radians at most.
+    pub(in crate::collision) fn of(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, turn: f64) -> Self {
+        Self::at(a.normal.cross(&b.normal).norm()).turned(turn)
+    }
+
+    fn at(sine: f64) -> Self {
+        Self {
+            from: sine,
+            to: sine,
+        }
+    }
+
+    /// Returns these angles and those up to `turn` radians from them.
+    pub(in crate::collision) fn turned(self, turn: f64) -> Self {
+        Self {
+            from: self.from - turn,
+            to: self.to + turn,
+        }
+    }
+
+    /// Returns the least ratio of an extent across a plane to the depth within the piece. Layers, which are parallel but
+    /// for rounding, have none: their depth is what they are across each other.
+    fn least(self) -> f64 {
+        if self.to < MIN_LEAN {
+            1.0
+        } else {
+            self.from.clamp(MIN_LEAN, 1.0)
+        }
+    }
+}
+
+/// Overlap of two pieces that reach through each other's planes.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::collision) struct Overlap {
+    /// Least extent of a piece on one side of the other's plane.
+    across: f64,
+    /// Length of the segment that both share, not positive if they share none.
+    along: f64,
+    /// Sine of the angle between the planes.
+    lean: f64,
+}
+
+impl Overlap {
+    /// Returns the overlap of two pieces, given their positions relative to each other's plane; `None` if one of them
+    /// reaches through the other's plane by no more than is contact at any angle, or their planes are parallel.
+    pub(in crate::collision) fn of(
+        a: &ConvexPiece<'_>,
+        b: &ConvexPiece<'_>,
+        reaches: [Reach; 2],
+        allowed: Allowed,
+    ) -> Option<Self> {
+        let across = reaches[0].depth().min(reaches[1].depth());
+        if across <= allowed.least_across() {
+            return None;
+        }
+        let direction = a.normal.cross(&b.normal);
+        let lean = direction.norm();
+        if lean <= 0.0 {
+            return None;
+        }
+        let direction = direction / lean;
+        let ([a_from, a_to], [b_from, b_to]) = (a.section(b, &direction), b.section(a, &direction));
+        let along = a_to.min(b_to) - a_from.max(b_from);
+        Some(Self {
+            across,
+            along,
+            lean,
+        })
+    }
+
+    /// Returns the depth of the crossing: the lesser of the two lengths; 0 if the overlap is contact.
+    pub(in crate::collision) fn depth(self, allowed: Allowed) -> f64 {
+        let across = allowed.across(Lean::at(self.lean));
+        let crosses = self.across > across && self.along > allowed.largest();
+        if crosses {
+            self.across.min(self.along)
+        } else {
+            0.0
+        }
+    }
+
+    /// Returns by how much points may approach each other at least until the overlap is no longer contact, while the
+    /// planes enclose these angles.
+    pub(in crate::collision) fn left(self, allowed: Allowed, lean: Lean) -> f64 {
+        let along = lean.least() * (allowed.largest() - self.along);
+        (allowed.across(lean) - self.across).max(along)
+    }
+}
+
 /// Positions of the corners of a piece relative to the plane of another.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collision) struct Reach {
@@ -100,8 +230,8 @@ impl Reach {
 
     /// Returns `true` if the piece is on one side of the plane and meets it in a corner at most. It then
     /// crosses nothing in the plane, and the other piece can stand on it in that corner only.
-    pub(in crate::collision) fn is_clear(self, tolerance: f64) -> bool {
-        self.close <= 1 && self.depth() <= tolerance
+    pub(in crate::collision) fn is_clear(self, allowed: Allowed) -> bool {
+        self.close <= 1 && self.depth() <= allowed.least_across()
     }
 
     /// Returns `true` if the piece is on one side of the plane and touches it in more than a corner. The sheet
@@ -117,39 +247,20 @@ impl Reach {
     }
 }
 
-/// Returns the depth to which two pieces pass through each other; 0 if it does not exceed `tolerance`.
+/// Returns the depth to which two pieces pass through each other; 0 if they would not if both were smaller by `tolerance`
+/// all round.
 ///
 /// The depth is the least of three lengths: each piece's smaller extent on the two sides of the other's plane,
 /// and the length of the segment that both share.
 #[must_use]
 pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) -> f64 {
-    let a_reach = a.reach(b, tolerance);
-    if a_reach.depth() <= tolerance {
-        return 0.0;
-    }
-    depth_within(a, b, [a_reach, b.reach(a, tolerance)], tolerance)
-}
-
-/// Returns the [`crossing_depth`] of two pieces, given their positions relative to each other's plane.
-pub(in crate::collision) fn depth_within(
-    a: &ConvexPiece<'_>,
-    b: &ConvexPiece<'_>,
-    reaches: [Reach; 2],
-    tolerance: f64,
-) -> f64 {
-    let depth = reaches[0].depth().min(reaches[1].depth());
-    if depth <= tolerance {
-        return 0.0;
-    }
-    let direction = a.normal.cross(&b.normal);
-    let norm = direction.norm();
-    if norm <= 0.0 {
-        return 0.0;
-    }
-    let direction = direction / norm;
-    let ([a_from, a_to], [b_from, b_to]) = (a.section(b, &direction), b.section(a, &direction));
-    let depth = depth.min(a_to.min(b_to) - a_from.max(b_from));
-    if depth > tolerance { depth } else { 0.0 }
+    let allowed = Allowed {
+        within: tolerance,
+        shift: 0.0,
+    };
+    let reaches = [a.reach(b, tolerance), b.reach(a, tolerance)];
+    let overlap = Overlap::of(a, b, reaches, allowed);
+    overlap.map_or(0.0, |overlap| overlap.depth(allowed))
 }
 
 /// Returns the depth to which two pieces joined along a `side` pass through `other` exactly at that side; 0 if

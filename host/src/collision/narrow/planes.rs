@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::crossing::ConvexPiece;
+use super::crossing::{Allowed, ConvexPiece, Lean};
 
 /// A crease between the pieces, seen from the fixed one: its line, and the direction in which a positive group
 /// angle turns the part beyond.
@@ -40,10 +40,13 @@ struct Corner {
 #[derive(Clone, Debug)]
 pub(in crate::collision) struct Parted {
     turns: Vec<u32>,
+    /// Angle between the pieces if the plane is that of the one; `None` if it is upright on it, so that what is beyond is
+    /// within the piece.
+    lean: Option<Lean>,
     corners: Vec<Corner>,
 }
 
-/// Returns the planes that have `piece` on one side and `other` on the other, up to `tolerance`. Candidates are
+/// Returns the planes that have `piece` on one side and `other` on the other, up to contact. Candidates are
 /// the plane of `piece`, in both directions, and the planes upright on it through its sides. The turns lead
 /// from `piece` to `other`. If `other` came from `above` the piece (or from below), the plane of `piece` counts
 /// only with `other` on that side.
@@ -52,7 +55,7 @@ pub(in crate::collision) fn parted(
     other: &ConvexPiece<'_>,
     turns: &[Turn],
     above: Option<bool>,
-    tolerance: f64,
+    allowed: Allowed,
 ) -> Vec<Parted> {
     let corners = piece.corners;
     let next = corners.iter().cycle().skip(1);
@@ -64,15 +67,18 @@ pub(in crate::collision) fn parted(
     let flat = flat
         .into_iter()
         .filter(|&(_, side)| above.is_none_or(|above| above == side));
-    let planes = flat.map(|(normal, _)| (normal, corners[0])).chain(outward);
-    let heights = |(normal, point): &(Vector3<f64>, Vector3<f64>)| {
+    let lean = Lean::of(piece, other, 0.0);
+    let flat = flat.map(|(normal, _)| (normal, corners[0], Some(lean)));
+    let planes = flat.chain(outward.map(|(normal, point)| (normal, point, None)));
+    let parts = |(normal, point, lean): &(Vector3<f64>, Vector3<f64>, Option<Lean>)| {
         let heights = other.corners.iter().map(|c| normal.dot(&(c - point)));
-        heights.fold(f64::INFINITY, f64::min)
+        heights.fold(f64::INFINITY, f64::min) >= -over_plane(allowed, *lean, 0.0)
     };
     planes
-        .filter(|plane| heights(plane) >= -tolerance)
-        .map(|(normal, point)| Parted {
+        .filter(parts)
+        .map(|(normal, point, lean)| Parted {
             turns: turns.iter().map(|turn| turn.group).collect(),
+            lean,
             corners: other
                 .corners
                 .iter()
@@ -80,6 +86,11 @@ pub(in crate::collision) fn parted(
                 .collect(),
         })
         .collect()
+}
+
+/// Returns the depth up to which corners may be beyond a plane while the piece turns by `turn` radians at most.
+fn over_plane(allowed: Allowed, lean: Option<Lean>, turn: f64) -> f64 {
+    lean.map_or(allowed.largest(), |lean| allowed.across(lean.turned(turn)))
 }
 
 fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[Turn]) -> Corner {
@@ -95,11 +106,14 @@ fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[T
 }
 
 impl Parted {
-    /// Returns `true` if no corner comes lower than `-tolerance` while the groups make these changes.
-    pub(in crate::collision) fn holds(&self, changes: &[Change], tolerance: f64) -> bool {
+    /// Returns `true` if no corner comes lower than contact allows while the groups make these changes.
+    pub(in crate::collision) fn holds(&self, changes: &[Change], allowed: Allowed) -> bool {
+        let turns = self.turns.iter().map(|&turn| changes[turn as usize]);
+        let turn = turns.map(|change| change.by.abs() + change.off).sum();
+        let depth = over_plane(allowed, self.lean, turn);
         self.corners
             .iter()
-            .all(|corner| self.lowest(corner, changes) >= -tolerance)
+            .all(|corner| self.lowest(corner, changes) >= -depth)
     }
 
     fn lowest(&self, corner: &Corner, changes: &[Change]) -> f64 {

@@ -353,8 +353,9 @@ impl<'a> Sweep<'a> {
             && high - free > LAST_FREE_TICKS
         {
             self.sheet.time = (free + high) / 2;
-            let depth = self.sheet.depth(pair.nodes, self.contact);
-            if depth > self.allowed(&pair) {
+            self.sheet.put(pair.nodes);
+            let depth = self.sheet.depth(pair.nodes, self.allowed(&pair));
+            if depth > 0.0 {
                 (crossing, high) = (Crossing::new(found.faces, depth), self.sheet.time);
             } else {
                 low = Some(self.sheet.time);

@@ -21,7 +21,7 @@ impl Sweep<'_> {
             Kind::Side(side) => self.query_side(index, &pair, &side),
             Kind::Joined => {
                 self.found.counts.tested += 1;
-                match self.sheet.depth(pair.nodes, self.contact) {
+                match self.sheet.depth(pair.nodes, self.allowed(&pair)) {
                     depth if depth > 0.0 => QueryOutcome::Crossing(depth),
                     _ if self.sheet.is_at_end() => QueryOutcome::Free,
                     _ => QueryOutcome::Until(self.next_tabulated()),
@@ -125,8 +125,8 @@ impl Sweep<'_> {
         self.sheet.put(nodes);
         let placed = self.sheet.placed();
         let apart = distance(&placed.piece(nodes[0]), &placed.piece(nodes[1]));
-        let tolerance = self.allowed(pair);
-        if deviation > 0.0 && apart <= deviation + tolerance {
+        let allowed = self.allowed(pair);
+        if deviation > 0.0 && apart <= deviation + allowed.largest() {
             return QueryOutcome::Undecided;
         }
         if let Some(depth) = self.crosses(index, pair, apart) {
@@ -142,19 +142,19 @@ impl Sweep<'_> {
         if let Some(outcome) = self.by_lattice(index, apart - deviation, counts) {
             return outcome;
         }
-        let room = apart - deviation + self.left_of(tolerance, nodes, apart);
+        let room = apart - deviation + self.left_of(allowed, nodes, apart);
         let pair = &mut self.queue[index];
         let chain = self.approach.chain_within(&self.sheet, pair, room);
         self.approach.gather_corners(&mut self.sheet, &chain, nodes);
         let outcome = self.after(apart, room - 2.0 * chain.tear, counts);
-        self.at_contact(index, tolerance, apart, outcome)
+        self.at_contact(index, allowed, apart, outcome)
     }
 
     fn query_sectors(&mut self, index: u32, pair: &Pair, corners: [u32; 2]) -> QueryOutcome {
         self.found.counts.tested += 1;
         self.sheet.put(pair.nodes);
         let [angle, reach] = self.between_sectors(pair.nodes, corners);
-        let tolerance = self.allowed(pair);
+        let allowed = self.allowed(pair);
         if self.turn > 0.0 && angle <= self.turn || self.is_split(pair) {
             return QueryOutcome::Undecided;
         }
@@ -164,13 +164,14 @@ impl Sweep<'_> {
         if let Some(until) = self.comoving_until(pair.nodes) {
             return self.next(until, angle, false);
         }
-        let left = self.left_of(tolerance, pair.nodes, angle);
+        let turn = angle + allowed.largest() / reach;
+        let left = self.sheet.placed().left(pair.nodes, angle, turn, allowed);
         let room = angle - self.turn + left / reach;
         let pair = &mut self.queue[index];
         let chain = self.approach.chain_within(&self.sheet, pair, room);
         self.approach.gather_turns(&chain);
         let outcome = self.after(angle, room - 2.0 * chain.turn, false);
-        self.at_contact(index, tolerance, angle * reach, outcome)
+        self.at_contact(index, allowed, angle * reach, outcome)
     }
 
     /// Returns the angle (radians) between the sectors of two placed pieces at their common vertex, and the distance from

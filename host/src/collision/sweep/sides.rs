@@ -25,7 +25,7 @@ impl Sweep<'_> {
     /// Returns the kind of a pair of pieces that share several vertices; `None` if it needs no query, because the pieces
     /// turn about their common side but for a tear that contact allows.
     pub(super) fn classify_side(&mut self, nodes: [u32; 2], shared: &[[u32; 2]]) -> Option<Kind> {
-        let allowed = self.contact.of(&self.sheet.pieces, nodes);
+        let allowed = self.contact.of(&self.sheet.pieces, nodes, 0.0).largest();
         let is_within = |tear: SideTear| tear.moved <= allowed;
         // No point of a piece is farther from its side than the piece is wide, which is known at once.
         let circles = nodes.map(|node| self.sheet.hierarchy.circles[node as usize]);
@@ -100,8 +100,8 @@ impl Sweep<'_> {
         // While the creases between turn by an angle, the tear grows and the lean shrinks by that angle at most.
         let spare = side.lean(&placed, nodes) - LEAN_TO_TURN_RATIO * side.turn(&placed);
         let spare = spare / (1.0 + LEAN_TO_TURN_RATIO);
-        let tolerance = self.allowed(&pair);
-        let room = self.left_of(tolerance, nodes, 0.0);
+        let allowed = self.allowed(&pair);
+        let room = self.left_of(allowed, nodes, 0.0);
         let mut outcome = QueryOutcome::Until(self.sheet.time);
         for chain in chains {
             self.approach.gather_turns(&chain);
@@ -110,7 +110,7 @@ impl Sweep<'_> {
             let by_depth = self.after(0.0, room - 2.0 * chain.tear, false);
             outcome = later(outcome, later(by_turn, by_depth));
         }
-        self.at_contact(index, tolerance, 0.0, outcome)
+        self.at_contact(index, allowed, 0.0, outcome)
     }
 
     /// Returns the next query of two pieces whose tear has a bound, while the fold angle between them leaves them free.

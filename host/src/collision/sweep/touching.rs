@@ -3,19 +3,21 @@
 use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
+use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
 use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
-use crate::collision::tolerances::{MAX_TEAR_RATIO, MIN_LEFT_RATIO, TOUCHING_RATIO};
+use crate::collision::tolerances::{MAX_TEAR_RATIO, TOUCHING_RATIO};
 
 impl Sweep<'_> {
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
     /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
     /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
     pub(super) fn crosses(&mut self, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
-        let (nodes, tolerance) = (pair.nodes, self.allowed(pair));
+        let (nodes, allowed) = (pair.nodes, self.allowed(pair));
+        let tolerance = allowed.largest();
         if apart <= tolerance {
-            let depth = self.sheet.depth(nodes, self.contact);
-            if depth > tolerance {
+            let depth = self.sheet.depth(nodes, allowed);
+            if depth > 0.0 {
                 return Some(depth);
             }
         } else if pair.above.is_none() {
@@ -91,7 +93,7 @@ impl Sweep<'_> {
     pub(super) fn at_contact(
         &mut self,
         index: u32,
-        tolerance: f64,
+        allowed: Allowed,
         apart: f64,
         outcome: QueryOutcome,
     ) -> QueryOutcome {
@@ -101,10 +103,10 @@ impl Sweep<'_> {
         let QueryOutcome::Until(until) = outcome else {
             return outcome;
         };
-        if until >= next || apart > TOUCHING_RATIO * tolerance {
+        if until >= next || apart > TOUCHING_RATIO * allowed.largest() {
             return outcome;
         }
-        let parted = self.parted(index, tolerance);
+        let parted = self.parted(index, allowed);
         let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
         groups.sort_unstable();
         groups.dedup();
@@ -114,7 +116,7 @@ impl Sweep<'_> {
         let motion = &self.sheet.motion;
         for to in motion.halves(until, next) {
             motion.changes(&groups, time, to, &mut self.changes);
-            let holds = |parted: &Parted| parted.holds(&self.changes, tolerance);
+            let holds = |parted: &Parted| parted.holds(&self.changes, allowed);
             if !parted.iter().any(holds) {
                 break;
             }
@@ -124,9 +126,11 @@ impl Sweep<'_> {
     }
 
     /// Returns the planes that separate two pieces.
-    fn parted(&mut self, index: u32, tolerance: f64) -> Vec<Parted> {
+    fn parted(&mut self, index: u32, allowed: Allowed) -> Vec<Parted> {
         let pair = &mut self.queue[index];
-        let chain = self.approach.chain_within(&self.sheet, pair, tolerance);
+        let chain = self
+            .approach
+            .chain_within(&self.sheet, pair, allowed.largest());
         let nodes = pair.nodes;
         let links = self.approach.chains.links(&chain);
         let mut places: Vec<_> = links
@@ -155,20 +159,21 @@ impl Sweep<'_> {
         let [a, b] = nodes.map(|node| placed.piece(node));
         let above = self.queue[index].above;
         let above = [0, 1].map(|k| above.map(|above| above[k]));
-        let mut all = parted(&a, &b, &self.turns, above[0], tolerance);
+        let mut all = parted(&a, &b, &self.turns, above[0], allowed);
         // Seen from the other end, creases come in reverse order and turn the other way.
         self.turns.reverse();
         for turn in &mut self.turns {
             turn.about = -turn.about;
         }
-        all.extend(parted(&b, &a, &self.turns, above[1], tolerance));
+        all.extend(parted(&b, &a, &self.turns, above[1], allowed));
         all
     }
 
-    /// Returns the depth up to which an overlap of the two pieces of a pair is contact, units of the sheet. If they share
-    /// a vertex, they have to be placed: the distance of their positions of the vertex adds to the depth.
-    pub(super) fn allowed(&self, pair: &Pair) -> f64 {
-        self.contact.of(&self.sheet.pieces, pair.nodes) + self.torn(pair)
+    /// Returns the depth up to which an overlap of the two pieces of a pair is contact. If they share a vertex, they have
+    /// to be placed: the distance of their positions of the vertex adds to the depth.
+    pub(super) fn allowed(&self, pair: &Pair) -> Allowed {
+        let torn = self.torn(pair);
+        self.contact.of(&self.sheet.pieces, pair.nodes, torn)
     }
 
     /// Returns the largest distance between the positions that two placed pieces give a vertex that they share.
@@ -184,14 +189,14 @@ impl Sweep<'_> {
         }
     }
 
-    /// Returns how much deeper two placed pieces, `apart` by a distance or an angle, may overlap until that is no longer
-    /// contact: the `tolerance` less the depth to which they do.
-    pub(super) fn left_of(&self, tolerance: f64, nodes: [u32; 2], apart: f64) -> f64 {
-        if apart > 0.0 {
-            return tolerance;
-        }
-        let (depth, _) = self.sheet.placed().depth_alone(nodes, 0.0);
-        (tolerance - depth).max(MIN_LEFT_RATIO * tolerance)
+    /// Returns how much nearer points of two placed pieces that are `apart` may come to each other than that distance until
+    /// an overlap is no longer contact.
+    pub(super) fn left_of(&self, allowed: Allowed, nodes: [u32; 2], apart: f64) -> f64 {
+        let approach = apart + allowed.largest();
+        // The two ends of a length move by the approach at most, which turns it by twice that over the length; a plane
+        // has two directions.
+        let turn = 4.0 * approach / self.sheet.pieces.smaller_size(nodes);
+        self.sheet.placed().left(nodes, apart, turn, allowed)
     }
 
     /// Returns `true` if two placed pieces are torn so far apart at their common vertex that nothing can be told of them.

@@ -11,7 +11,7 @@ use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
-use crate::collision::{CONTACT_EDGES, CollisionScene, contact_tolerance};
+use crate::collision::{CONTACT_EDGES, CROSSING_DEPTH_EDGES, CollisionScene, contact_tolerance};
 use crate::folding::FoldingMap;
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
@@ -399,7 +399,7 @@ fn note_overlap(asked: &PlanningProblem<'_>, best: &Plan) -> Option<Note> {
     let pattern = &best.motion.as_ref()?.pattern;
     let map = FoldingMap::new(pattern, pattern.tree(), &angles?);
     let crossing = CollisionScene::new(pattern).deepest_crossing(&map, 0.0)?;
-    let most = OVERLAP_MARGIN * crossing.depth / pattern.median_edge();
+    let most = CROSSING_DEPTH_EDGES + OVERLAP_MARGIN * crossing.depth / pattern.median_edge();
     CONTACT_EDGES
         .contains(most)
         .then_some(Note::OverlapsAtGoal(most))
