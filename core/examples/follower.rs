@@ -100,7 +100,7 @@ impl Machine {
         self.feed();
         // There is no host whose silence should hold the motion.
         self.follower.heard(now);
-        self.follower.tick(now);
+        self.follower.tick(self.sheet.stars, now);
         let refused = matches!(self.follower.reason(), Reason::Refused(_));
         !refused && !matches!(self.follower.state(), State::Done | State::Faulted)
     }

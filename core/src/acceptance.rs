@@ -3,7 +3,7 @@
 //! A setpoint and the segment that leads to it are checked once, when they arrive. Angles, rates and accelerations are
 //! checked at nine places of the segment. For cubics of the angle they are also checked where they are largest, which
 //! makes the check exact. For half angles, angles and rates are also bounded between these places. Closure is checked
-//! at the setpoint and at the segment's middle; with homogeneous half angles it is bounded on the whole segment.
+//! at the setpoint, and bounded on the whole segment.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::bernstein::differences;
 use crate::curve::{Flaw, half_angle};
 use crate::numbers::Numbers;
-use crate::segment_bounds::{self, Judged, Pair, Part};
+use crate::segment_bounds::{self, Judged, Part};
 use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
@@ -76,8 +76,7 @@ pub enum Refusal {
     Acceleration(u16),
     /// This essential vertex does not close at the setpoint.
     Open(u16),
-    /// This essential vertex does not close in the middle of the segment, or, with homogeneous half angles, anywhere on
-    /// it.
+    /// This essential vertex does not close everywhere on the segment.
     OpenBetween(u16),
 }
 
@@ -116,7 +115,12 @@ impl core::fmt::Display for Refusal {
             Self::Speed(group) => write!(f, "group {group}: too fast"),
             Self::Acceleration(group) => write!(f, "group {group}: accelerated too much"),
             Self::Open(star) => write!(f, "essential vertex {star} does not close"),
-            Self::OpenBetween(star) => write!(f, "essential vertex {star} does not close halfway"),
+            Self::OpenBetween(star) => {
+                write!(
+                    f,
+                    "essential vertex {star} does not close between setpoints"
+                )
+            }
         }
     }
 }
@@ -130,8 +134,7 @@ pub(crate) struct Progress {
     part: Part,
 }
 
-/// Checks `next` as the setpoint behind `before`, if there is one: all but its number and the bounds on the closure of
-/// homogeneous half angles.
+/// Checks `next` as the setpoint behind `before`, if there is one: all but its number and the bounds on closure.
 pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
@@ -162,7 +165,7 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     };
     let span = next.time - before.time;
     let ways = before.nodes.iter().zip(pairs(next, sheet));
-    for ((group, half), (from, (to, limits))) in groups(half_angles.iter_mut()).zip(ways) {
+    for (group, (from, (to, limits))) in groups(ways) {
         let curve = Curve::between(sheet.interpolation, span, *from, *to);
         // Linear segments do not use the rates of the knots.
         let lines = sheet.interpolation == Interpolation::Linear;
@@ -173,13 +176,12 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
         };
         let size = T::one() + from.angle.abs().max(to.angle.abs()) + span * rate;
         keeps(group, &curve, span, size, limits)?;
-        *half = curve.half_angle(T::HALF);
     }
-    closes(sheet, &half_angles).map_err(Refusal::OpenBetween)
+    Ok(())
 }
 
-/// Goes on to check that the essential vertices stay closed on a segment of homogeneous half angles, by at most `parts`
-/// parts of it. Returns `true` if nothing is left to check.
+/// Goes on to check that the essential vertices stay closed on a segment, by at most `parts` parts of it. Returns `true` if
+/// nothing is left to check.
 pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     sheet: &SheetView<'_, T>,
     before: Option<&Setpoint<T, GROUPS>>,
@@ -187,19 +189,19 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     progress: &mut Progress,
     parts: u32,
 ) -> Result<bool, Refusal> {
-    let Some(before) = before.filter(|_| sheet.interpolation == Interpolation::Homogeneous) else {
+    let Some(before) = before else {
         return Ok(true);
     };
     let span = next.time - before.time;
-    let pair = |group: usize| {
+    let curve = |group: usize| {
         let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
-        pair(&Curve::between(sheet.interpolation, span, *from, *to))
+        Some(Curve::between(sheet.interpolation, span, *from, *to))
     };
     for _ in 0..parts {
         let Some(star) = sheet.stars.get(progress.star.into()) else {
             return Ok(true);
         };
-        match segment_bounds::stays_closed(star, pair, sheet.closure, progress.part) {
+        match segment_bounds::stays_closed(star, &curve, sheet.closure, progress.part) {
             Judged::Everywhere => {
                 progress.star = progress.star.saturating_add(1);
                 progress.part = Part::default();
@@ -211,12 +213,27 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     Ok(sheet.stars.get(progress.star.into()).is_none())
 }
 
-/// Returns the cubics of a curve of half angles.
-fn pair<T: Scalar>(curve: &Curve<T>) -> Option<Pair<T>> {
-    match *curve {
-        Curve::Angle(_) => None,
-        Curve::HalfAngle { cos, sin } => Some(Pair { cos, sin }),
+/// Checks that all essential vertices stay closed on a segment, as a controller does before it takes a setpoint. `curve`
+/// returns the curve of a group.
+///
+/// # Errors
+/// The number of the first vertex whose residual is not known to be at most `closure`, a sixteenth and rounding.
+pub fn stay_closed<T: Scalar>(
+    stars: StarsView<'_, T>,
+    curve: impl Fn(usize) -> Option<Curve<T>>,
+    closure: T,
+) -> Result<(), u16> {
+    for (number, star) in groups(stars.iter()) {
+        let mut part = Part::default();
+        loop {
+            match segment_bounds::stays_closed(star, &curve, closure, part) {
+                Judged::Everywhere => break,
+                Judged::Not => return Err(number),
+                Judged::Next(next) => part = next,
+            }
+        }
     }
+    Ok(())
 }
 
 /// Pairs each item with the number of its group (or star).
@@ -264,14 +281,15 @@ fn keeps<T: Scalar>(
     let step = T::one() / T::whole(CHECKED_INTERVALS);
     let places = (0..=CHECKED_INTERVALS).map(|k| T::whole(k) * step);
     places.chain(extremes(curve)).try_for_each(keeps)?;
-    let Some(pair) = pair(curve) else {
+    let Curve::HalfAngle { cos, sin } = *curve else {
         return Ok(());
     };
-    if !segment_bounds::stays_within(&pair, limits.lower, limits.upper) {
+    let pair = [cos, sin];
+    if !segment_bounds::stays_within(pair, limits.lower, limits.upper) {
         return Err(Refusal::Range(group));
     }
     let speed = limits.speed * span;
-    if speed.is_finite() && !segment_bounds::turns_slowly(&pair, speed, noise) {
+    if speed.is_finite() && !segment_bounds::turns_slowly(pair, speed, noise) {
         return Err(Refusal::Speed(group));
     }
     Ok(())

@@ -13,6 +13,7 @@
 
 use nalgebra::Vector3;
 
+use crate::curve::half_angle;
 use crate::{HalfAngle, Rotation, Scalar, StarView};
 
 /// Returns the rotation by which the star fails to close.
@@ -22,9 +23,17 @@ use crate::{HalfAngle, Rotation, Scalar, StarView};
 #[inline]
 #[must_use]
 pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Rotation<T> {
+    product(star, |group| half_angles.get(group).copied())
+}
+
+#[inline]
+fn product<T: Scalar>(
+    star: StarView<'_, T>,
+    half: impl Fn(usize) -> Option<HalfAngle<T>>,
+) -> Rotation<T> {
     let mut product = Rotation::identity();
     for spoke in star.spokes {
-        if let Some(half) = half_angles.get(spoke.group.index()) {
+        if let Some(half) = half(spoke.group.index()) {
             product = product.across_crease(half.signed(spoke.negative), spoke.direction);
         }
     }
@@ -43,7 +52,19 @@ pub fn residual<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) 
 #[inline]
 #[must_use]
 pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bound: T) -> bool {
-    let residual = residual(star, half_angles);
+    is_within(residual(star, half_angles), bound)
+}
+
+/// Returns what [`closes`] does, for the fold angles of the unknowns, radians.
+// Not inlined, so that sine and cosine are not copied into each tick.
+#[inline(never)]
+pub(crate) fn closes_at<T: Scalar>(star: StarView<'_, T>, angles: &[T], bound: T) -> bool {
+    let product = product(star, |group| angles.get(group).copied().map(half_angle));
+    is_within(positive(product).v * T::TWO, bound)
+}
+
+#[inline]
+fn is_within<T: Scalar>(residual: Vector3<T>, bound: T) -> bool {
     bound >= T::zero() && residual.dot(&residual) <= bound * bound
 }
 

@@ -1,5 +1,7 @@
-//! Bounds on a segment of half angles, from the Bernstein coefficients of its curves: how fast does a group turn, how
-//! far, and does a vertex stay closed, everywhere on the segment?
+//! Bounds on a segment, from the Bernstein coefficients of its curves: how fast does a group turn, how far, and does a
+//! vertex stay closed, everywhere on the segment?
+//!
+//! # Half angles
 //!
 //! A [`Curve::HalfAngle`](crate::Curve) is a pair of cubics (c, n) proportional to (cos ρ/2, sin ρ/2). Its speed is a
 //! ratio of polynomials, ρ' = 2 (c n' - n c')/(c² + n²), and so is the tangent |v|/w of half the misclosure of a vertex
@@ -10,10 +12,22 @@
 //!
 //! The coefficients are *scaled*: each is multiplied by its binomial coefficient. A product of polynomials is then the
 //! convolution of their coefficients, and ratios of coefficients are as before.
+//!
+//! # Fold angles
+//!
+//! Where the fold angles themselves are cubics, the closure residual r of a vertex is no polynomial. Over a part of the
+//! segment, with parameter u from 0 to 1, it is at most max |r''''| / 384 away from the cubic that has its values and
+//! derivatives at both ends, and that cubic stays within the hull of its Bernstein coefficients. The residual is twice the
+//! vector part of a product of unit quaternions exp(ρ/2 · axis). With A, B and C the sums over the spokes of the largest
+//! first, second and third derivative of ρ/2, the norm of the product's fourth derivative is at most that of
+//! exp(A u + B u²/2 + C u³/6) at 0, which is A⁴ + 6 A² B + 3 B² + 4 A C.
+
+use nalgebra::Vector3;
 
 use crate::bernstein::{differences, restrict};
+use crate::closure::{derivative, positive};
 use crate::curve::half_angle;
-use crate::{Scalar, StarView};
+use crate::{Curve, Rotation, Scalar, StarView};
 
 /// Number of halvings after which a part of a segment is no longer halved: 32 parts at most.
 const MAX_HALVINGS: u32 = 5;
@@ -74,33 +88,8 @@ impl Part {
     }
 }
 
-/// Coefficients of the cubics c and n of one group on a segment; the default is flat.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pair<T> {
-    pub(crate) cos: [T; 4],
-    pub(crate) sin: [T; 4],
-}
-
-impl<T: Scalar> Default for Pair<T> {
-    fn default() -> Self {
-        Self {
-            cos: [T::one(); 4],
-            sin: [T::zero(); 4],
-        }
-    }
-}
-
-// The functions here are not inlined, nor are they unrolled over arrays of known length: they are rarely called, and
-// would otherwise double the acceptance of a setpoint in an image.
-impl<T: Scalar> Pair<T> {
-    #[inline(never)]
-    fn restrict(&self, part: [T; 2]) -> Self {
-        Self {
-            cos: restrict(&self.cos, part),
-            sin: restrict(&self.sin, part),
-        }
-    }
-}
+/// Coefficients of the cubics c and n of one group on a segment.
+type Pair<T> = [[T; 4]; 2];
 
 /// Returns the largest factor by which a bound may be above its limit.
 pub(crate) fn slack<T: Scalar>() -> T {
@@ -110,9 +99,9 @@ pub(crate) fn slack<T: Scalar>() -> T {
 /// Returns `true` if |ρ'| (radians by s) is at most `speed` everywhere, within [`slack`] and `noise`. Cost: about 100
 /// multiplications for each of at most 63 parts, of which an ordinary segment has one to three.
 #[inline(never)]
-pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> bool {
+pub(crate) fn turns_slowly<T: Scalar>(pair: Pair<T>, speed: T, noise: T) -> bool {
     everywhere(&mut |part: [T; 2]| {
-        let Pair { cos, sin } = pair.restrict(part);
+        let [cos, sin] = pair.map(|cubic| restrict(&cubic, part));
         let [from, to] = part;
         let most = speed * slack() * (to - from) + noise;
         let (c, n) = (scaled(cos), scaled(sin));
@@ -136,14 +125,14 @@ pub(crate) fn turns_slowly<T: Scalar>(pair: &Pair<T>, speed: T, noise: T) -> boo
 /// Returns `true` if the fold angle is everywhere from `lower` to `upper` (radians), within a thousandth of a radian. An
 /// angle beyond half a turn is never within limits here.
 #[inline(never)]
-pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> bool {
+pub(crate) fn stays_within<T: Scalar>(pair: Pair<T>, lower: T, upper: T) -> bool {
     let slack = T::lit(RANGE_SLACK_RAD);
     // Half angles between two limits of at most a quarter turn are a convex cone, so that coefficients in the cone bound
     // the curve.
     let low = half_angle((lower - slack).max(-T::PI));
     let high = half_angle((upper + slack).min(T::PI));
     everywhere(&mut |part: [T; 2]| {
-        let Pair { cos, sin } = pair.restrict(part);
+        let [cos, sin] = pair.map(|cubic| restrict(&cubic, part));
         cos.iter().zip(&sin).all(|(c, n)| {
             let noise = T::lit(8.0) * T::EPSILON * (c.abs() + n.abs());
             let above = *n * low.cos - *c * low.sin >= -noise;
@@ -154,58 +143,141 @@ pub(crate) fn stays_within<T: Scalar>(pair: &Pair<T>, lower: T, upper: T) -> boo
 
 /// Judges whether the closure residual of a star is at most `bound` on a part of a segment, within [`slack`] and rounding.
 ///
-/// `pair` returns the curves of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded. Cost: about 100
-/// multiplications by the squared number of spokes. A star takes at most 63 parts.
+/// `curve` returns the curve of a group. A star of more than [`MAX_SPOKES`] spokes is not bounded. Cost: for half angles about
+/// 100 multiplications by the squared number of spokes, and for fold angles about 100, two sines and two cosines by the
+/// number of spokes. A star takes at most 63 parts.
 #[inline(never)]
 pub(crate) fn stays_closed<T: Scalar>(
     star: StarView<'_, T>,
-    pair: impl Fn(usize) -> Option<Pair<T>>,
+    curve: &impl Fn(usize) -> Option<Curve<T>>,
     bound: T,
     part: Part,
 ) -> Judged {
-    let degree = star.spokes.len();
-    if degree > MAX_SPOKES {
-        return Judged::Not;
-    }
+    let ends = part.ends();
+    let first = star.spokes.first().map(|spoke| spoke.group.index());
+    let holds = match first.and_then(curve) {
+        _ if star.spokes.len() > MAX_SPOKES => return Judged::Not,
+        None => star.spokes.is_empty(),
+        Some(Curve::Angle(_)) => angles_close(star, curve, bound, ends),
+        Some(Curve::HalfAngle { .. }) => half_angles_close(star, curve, bound, ends),
+    };
+    part.judged(holds)
+}
+
+/// Returns `true` if the closure residual of a star of half angles is at most `bound` on a part, as far as its coefficients
+/// tell.
+fn half_angles_close<T: Scalar>(
+    star: StarView<'_, T>,
+    curve: &impl Fn(usize) -> Option<Curve<T>>,
+    bound: T,
+    ends: [T; 2],
+) -> bool {
     let (mut noise, mut most) = (T::zero(), T::TWO);
     for _ in star.spokes {
         noise += T::lit(4.0) * T::EPSILON;
         // On a short part each factor |c| + |n| is at most √2 times the length of (c, n).
         most *= T::TWO.sqrt();
     }
-    let ends = part.ends();
-    let holds = || {
-        // Quaternions (w, x, y, z) and the sum of the sizes of all terms of each, from which rounding follows.
-        let mut product = [[T::zero(); 5]; 3 * MAX_SPOKES + 1];
-        if let Some(first) = product.first_mut() {
-            *first = [T::one(), T::zero(), T::zero(), T::zero(), T::one()];
-        }
-        let mut length = 1;
-        for spoke in star.spokes {
-            let Some(pair) = pair(spoke.group.index()) else {
-                return false;
-            };
-            let Pair { cos, sin } = pair.restrict(ends);
-            length += 3;
-            across(
-                &mut product,
-                length,
-                [scaled(cos), scaled(sin)],
-                spoke.axis(),
-            );
-        }
-        let sign = match product.first() {
-            Some([w, ..]) if *w < T::zero() => -T::one(),
-            _ => T::one(),
+    // Quaternions (w, x, y, z) and the sum of the sizes of all terms of each, from which rounding follows.
+    let mut product = [[T::zero(); 5]; 3 * MAX_SPOKES + 1];
+    if let Some(first) = product.first_mut() {
+        *first = [T::one(), T::zero(), T::zero(), T::zero(), T::one()];
+    }
+    let mut length = 1;
+    for spoke in star.spokes {
+        let Some(Curve::HalfAngle { cos, sin }) = curve(spoke.group.index()) else {
+            return false;
         };
-        product.iter().take(length).all(|[w, x, y, z, size]| {
-            let w = *w * sign;
-            let off = T::TWO * (*x * *x + *y * *y + *z * *z).sqrt();
-            let allowed = bound * slack() * w + noise * *size;
-            w > T::zero() && size.is_finite() && *size <= most * w && off <= allowed
-        })
+        length += 3;
+        let pair = [cos, sin].map(|cubic| scaled(restrict(&cubic, ends)));
+        across(&mut product, length, pair, spoke.axis());
+    }
+    let sign = match product.first() {
+        Some([w, ..]) if *w < T::zero() => -T::one(),
+        _ => T::one(),
     };
-    part.judged(holds())
+    product.iter().take(length).all(|[w, x, y, z, size]| {
+        let w = *w * sign;
+        let off = T::TWO * (*x * *x + *y * *y + *z * *z).sqrt();
+        let allowed = bound * slack() * w + noise * *size;
+        w > T::zero() && size.is_finite() && *size <= most * w && off <= allowed
+    })
+}
+
+/// Returns `true` if the closure residual of a star of fold angles is at most `bound` on a part, as far as its values and
+/// derivatives at both ends tell.
+#[inline(never)]
+fn angles_close<T: Scalar>(
+    star: StarView<'_, T>,
+    curve: &impl Fn(usize) -> Option<Curve<T>>,
+    bound: T,
+    ends: [T; 2],
+) -> bool {
+    let three = T::TWO + T::one();
+    let mut residuals = [Along::new(), Along::new()];
+    // Sums of the largest derivatives of half the angles: first, second and third.
+    let [mut turn, mut bend, mut jerk] = [T::zero(); 3];
+    let mut noise = T::zero();
+    for spoke in star.spokes {
+        let Some(Curve::Angle(angle)) = curve(spoke.group.index()) else {
+            return false;
+        };
+        let cubic = restrict(&angle, ends);
+        let [first, middle, last] = differences(&cubic);
+        let [grow, fall] = [middle - first, last - middle];
+        turn += first.abs().max(middle.abs()).max(last.abs()) * three * T::HALF;
+        bend += grow.abs().max(fall.abs()) * three;
+        jerk += (fall - grow).abs() * three;
+        noise += T::lit(4.0) * T::EPSILON;
+        let [begin, .., end] = cubic;
+        let axis = spoke.axis();
+        for (along, (angle, slope)) in residuals.iter_mut().zip([(begin, first), (end, last)]) {
+            along.cross(angle, three * slope, axis);
+        }
+    }
+    let square = turn * turn;
+    let fourth = square * square
+        + (T::TWO * bend * square + bend * bend) * three
+        + T::lit(4.0) * turn * jerk;
+    let allowed = bound * slack() + noise - T::TWO * fourth / T::lit(384.0);
+    let [from, to] = residuals.map(|along| along.jet());
+    let coefficients = [
+        from[0],
+        from[0] + from[1] / three,
+        to[0] - to[1] / three,
+        to[0],
+    ];
+    // So that the product stays on the side of the identity where the residual is counted from. Comparisons are false for a
+    // NaN.
+    turn <= T::HALF && coefficients.iter().all(|r| r.dot(r).sqrt() <= allowed)
+}
+
+/// The product of a star's folds up to a spoke, at one place of a segment.
+struct Along<T> {
+    product: Rotation<T>,
+    /// Sum of the axes passed, as the product turns them, each times the rate of its angle.
+    spin: Vector3<T>,
+}
+
+impl<T: Scalar> Along<T> {
+    fn new() -> Self {
+        Self {
+            product: Rotation::identity(),
+            spin: Vector3::zeros(),
+        }
+    }
+
+    /// Folds about the next axis by an angle (radians) that changes at this rate.
+    fn cross(&mut self, angle: T, rate: T, axis: [T; 2]) {
+        self.spin += self.product.rotate_in_sheet(axis) * rate;
+        self.product = self.product.across_crease(half_angle(angle), axis);
+    }
+
+    /// Returns the closure residual and its derivative, if the star ends here.
+    fn jet(&self) -> [Vector3<T>; 2] {
+        let product = positive(self.product);
+        [product.v * T::TWO, derivative(product, &self.spin)]
+    }
 }
 
 /// Multiplies the first `length - 3` quaternions by a fold about the axis (x, y, 0), in place; the product has `length`.

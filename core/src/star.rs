@@ -101,6 +101,16 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         })
     }
 
+    /// Creates a view of stars that [`new`](Self::new) has accepted before. Of others, closure would be meaningless.
+    #[must_use]
+    pub fn accepted(spokes: &'a [Spoke<T>], ends: &'a [u32], unknowns: usize) -> Self {
+        Self {
+            spokes,
+            ends,
+            unknowns,
+        }
+    }
+
     /// Returns a view without stars.
     pub(crate) fn none() -> Self {
         Self {

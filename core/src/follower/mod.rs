@@ -65,6 +65,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     now: u64,
     heard: u64,
     lag: LagWatch<T>,
+    /// Number of the essential vertex that is guarded next.
+    guarded: u16,
 
     next: u32,
     ended: bool,
@@ -108,6 +110,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             now: 0,
             heard: 0,
             lag: LagWatch::default(),
+            guarded: 0,
             approach: Approach::none(),
             queue: Queue::new(),
             pending: None,

@@ -1,19 +1,21 @@
 //! A tick of a follower: how far does it move, and what slows, holds or ends the motion?
 
-use crate::Scalar;
 use crate::follower::lag::Lag;
 use crate::follower::{Fault, Follower, Options, Reason, State};
+use crate::{Scalar, StarsView};
 
 /// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
 /// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
 const MIN_LAGGING_RATE: f64 = 0.1;
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
-    /// Moves on to `now`, microseconds. Time that has already passed does not pass again. If a group would move farther
-    /// than its speed allows, its command stays, and the motion fails.
+    /// Moves on to `now`, microseconds, on a sheet with these essential vertices. Time that has already passed does not pass
+    /// again. If a group would move farther than its speed allows, or an essential vertex would be torn, the commands stay,
+    /// and the motion fails. One vertex is looked at in a tick, in turn.
     ///
-    /// Cost: a cubic and its derivative for each group; when a knot is passed, also the curves of the next segment.
-    pub fn tick(&mut self, now: u64) {
+    /// Cost: a cubic and its derivative for each group, and a sine, a cosine and some twenty operations for each spoke of the
+    /// vertex; when a knot is passed, also the curves of the next segment.
+    pub fn tick(&mut self, stars: StarsView<'_, T>, now: u64) {
         let passed = now.saturating_sub(self.now);
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
         self.now = self.now.max(now);
@@ -29,7 +31,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let goal = self.goal();
         let step = self.clock.tick(dt, goal, self.ahead());
         if step > T::zero() {
-            self.move_by(step, dt);
+            self.move_by(stars, step, dt);
         } else {
             // The angles stay as they are to the last bit, at the beginning of an approach as well.
             self.still();
@@ -38,7 +40,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     /// Moves by `step` seconds of the path, in `dt` seconds of the world.
-    fn move_by(&mut self, step: T, dt: T) {
+    fn move_by(&mut self, stars: StarsView<'_, T>, step: T, dt: T) {
         let (before, approaches) = (self.position(), self.is_approaching());
         let step = if approaches {
             self.approach.advance(step)
@@ -53,11 +55,17 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             self.approach.offset(&mut angles);
             rates = self.approach.rates(clock);
         }
-        if let Some(group) = self.queue.leap(&self.angles, &angles, dt) {
+        let leap = self.queue.leap(&self.angles, &angles, dt).map(Fault::Leap);
+        // The angles of an approach do not close.
+        let torn = || {
+            let star = self.queue.torn(stars, &mut self.guarded, &angles);
+            star.filter(|_| !approaches).map(Fault::Torn)
+        };
+        if let Some(fault) = leap.or_else(torn) {
             // The groups stay where they were, and so does the position that is told.
             (self.is_on_path, self.last_position) = (false, before);
             self.is_off_path |= approaches;
-            self.fail(Fault::Leap(group));
+            self.fail(fault);
         } else {
             (self.angles, self.rates) = (angles, rates);
         }

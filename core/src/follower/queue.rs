@@ -4,10 +4,12 @@ use heapless::Deque;
 
 use crate::acceptance::{Refusal, Setpoint, SheetView};
 use crate::follower::FollowerPosition;
-use crate::{Curve, Interpolation, Scalar, segment_bounds};
+use crate::{Curve, Interpolation, Scalar, StarsView, closure, segment_bounds};
 
 /// Rounding error of a commanded angle, in precisions (ε) of 1 and the range of its limits.
 const COMMAND_EPSILONS: f64 = 64.0;
+/// Rounding error that a commanded angle adds to a closure residual, in precisions (ε).
+const CLOSURE_EPSILONS: f64 = 16.0;
 
 /// Setpoints of the path; the position lies on the segment behind the first one.
 // In order, for the reason given at `Follower`.
@@ -16,6 +18,8 @@ const COMMAND_EPSILONS: f64 = 64.0;
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
     groups: usize,
+    /// Largest closure residual of a setpoint.
+    closure: T,
     /// Duration of the segment behind the first setpoint (`span`), and the part of it that has passed (`into`), seconds.
     span: T,
     into: T,
@@ -35,6 +39,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         Self {
             interpolation: Interpolation::default(),
             groups: 0,
+            closure: T::zero(),
             bounds: [[T::zero(); 3]; GROUPS],
             setpoints: Deque::new(),
             curves: [Curve::Angle([T::zero(); 4]); GROUPS],
@@ -55,6 +60,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         self.clear();
         self.interpolation = sheet.interpolation;
         self.groups = sheet.limits.len();
+        self.closure = sheet.closure;
         for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
             *bounds = [limits.lower, limits.upper, limits.speed.min(T::MAX)];
         }
@@ -122,6 +128,28 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         groups
             .find(|(_, (ends, bounds))| leaps(*ends, bounds))
             .map(|(group, _)| group)
+    }
+
+    /// Returns the number of the star whose `turn` it is if it does not close at these angles, within what bounds and
+    /// rounding leave to accepted segments. The turn goes to the next star.
+    pub(super) fn torn(
+        &self,
+        stars: StarsView<'_, T>,
+        turn: &mut u16,
+        angles: &[T; GROUPS],
+    ) -> Option<u16> {
+        let number = if usize::from(*turn) < stars.len() {
+            *turn
+        } else {
+            0
+        };
+        let star = stars.get(number.into())?;
+        *turn = number.wrapping_add(1);
+        let mut bound = self.closure * segment_bounds::slack();
+        for _ in star.spokes {
+            bound += T::lit(CLOSURE_EPSILONS) * T::EPSILON;
+        }
+        (!closure::closes_at(star, angles, bound)).then_some(number)
     }
 
     /// Returns the seconds from the position to the last setpoint, at most the largest number.

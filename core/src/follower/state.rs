@@ -47,6 +47,8 @@ pub enum Fault {
     Stalled(u32),
     /// The next command of this group would have been farther away than its largest speed allows.
     Leap(u16),
+    /// This essential vertex would not have been closed at the next command: panels would have been torn.
+    Torn(u16),
 }
 
 impl fmt::Display for Fault {
@@ -59,6 +61,7 @@ impl fmt::Display for Fault {
                     "group {group} would have moved farther in a tick than it may"
                 )
             }
+            Self::Torn(star) => write!(f, "essential vertex {star} would have been torn"),
         }
     }
 }
@@ -68,6 +71,7 @@ impl From<Fault> for Numbers {
         match fault {
             Fault::Stalled(hinge) => Self::of(0, hinge),
             Fault::Leap(group) => Self::of(1, group),
+            Fault::Torn(star) => Self::of(2, star),
         }
     }
 }

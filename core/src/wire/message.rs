@@ -13,7 +13,7 @@ use crate::follower::{Denial, FollowerPosition, Reason, State};
 use crate::numbers::{Numbers, number};
 
 /// Version of the protocol.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
 pub const SCHEMA: u32 = 0xcef5_8354;

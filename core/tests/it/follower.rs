@@ -8,7 +8,7 @@ use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options
 use foldpath_core::path_clock::ClockLimits;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::{
-    GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Node, Objective, Scalar,
+    GroupId, GroupLimits, HalfAngle, Interpolation, Membership, Node, Objective, Scalar, StarsView,
 };
 use foldpath_test_support::stars::{Stars, miura, miura_angles};
 use foldpath_test_support::{Measure as _, Random, cast, takes};
@@ -156,7 +156,7 @@ impl<T: Scalar> Run<T> {
             self.follower.heard(self.now);
             self.feed();
         }
-        self.follower.tick(self.now);
+        self.follower.tick(self.sheet.stars.view(), self.now);
         let angles = self.follower.angles();
         assert!(self.sheet.residual(angles) <= CLOSURE, "{angles:?}");
         for (rate, limits) in self.follower.rates().iter().zip(&self.sheet.limits) {
@@ -913,7 +913,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
     let mut worst = 0.0_f64;
     for now in 1..3000 {
         follower.heard(now * TICK);
-        follower.tick(now * TICK);
+        follower.tick(view.stars, now * TICK);
         worst = worst.max(sheet.residual(follower.angles()));
     }
     assert_eq!(follower.state(), State::Done);
@@ -994,7 +994,7 @@ fn a_long_segment_takes_its_time() {
     follower.start().unwrap();
     for now in 1..=10_000 {
         follower.heard(now * TICK);
-        follower.tick(now * TICK);
+        follower.tick(sheet.stars, now * TICK);
     }
     // Ten seconds of the path, less 1/8 s for speeding up.
     let into = follower.position().into;
@@ -1031,7 +1031,7 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
     follower.start().unwrap();
     for now in 1..=1000 {
         follower.heard(now * TICK);
-        follower.tick(now * TICK);
+        follower.tick(sheet.stars, now * TICK);
         assert_eq!(follower.state(), State::Running);
     }
     assert_eq!(follower.position().knot, 0);
@@ -1072,8 +1072,42 @@ fn rounding_leaves_no_limit() {
         follower.confirm().unwrap();
         follower.start().unwrap();
         for now in 1..100 {
-            follower.tick(now * TICK);
+            follower.tick(sheet.stars, now * TICK);
             assert_eq!(follower.angles()[0].to_bits(), angle.to_bits());
         }
+    }
+}
+
+/// A vertex that would be torn stops the motion before the command goes out, whatever was accepted: here the sheet is
+/// another one than the path was checked for. Vertices are looked at in turn, so that the motion may go on for as many ticks
+/// as there are vertices.
+#[test]
+fn a_vertex_that_would_be_torn_fails_the_motion() {
+    for torn in 0..5_u16 {
+        let mut run = Run::<f64>::started();
+        run.ticks(300);
+        let spokes = run.sheet.stars.view().get(0).unwrap().spokes;
+        let mut spokes = spokes.repeat(5);
+        let [x, y] = spokes[4 * usize::from(torn)].direction;
+        spokes[4 * usize::from(torn)].direction = [x * 0.8 - y * 0.6, x * 0.6 + y * 0.8];
+        let ends = [4, 8, 12, 16, 20];
+        let stars = StarsView::new(&spokes, &ends, 2).unwrap();
+        let mut ticks = 0;
+        let (before, place) = loop {
+            let before = run.follower.angles().to_vec();
+            let place = run.follower.position();
+            run.now += TICK;
+            run.follower.heard(run.now);
+            run.follower.tick(stars, run.now);
+            ticks += 1;
+            if run.follower.state() == State::Faulted {
+                break (before, place);
+            }
+            assert!(ticks < 5);
+        };
+        assert_eq!(run.follower.fault(), Some(Fault::Torn(torn)));
+        assert_eq!(run.follower.angles(), before);
+        assert_eq!(run.follower.position(), place);
+        assert_eq!(run.follower.rates(), [0.0; 2]);
     }
 }

@@ -66,57 +66,123 @@ fn a_jump_between_the_places_is_refused() {
     }
 }
 
-/// Whatever is accepted keeps its speed, its range and its closure at a thousand places.
+/// Whatever is accepted keeps its speed, its range and its closure at a thousand places, for every kind of motion, with
+/// rates and weights that are nearly right, or wrong.
 #[test]
 fn whatever_is_accepted_keeps_its_limits_everywhere() {
+    for kind in [
+        Interpolation::Linear,
+        Interpolation::Hermite,
+        Interpolation::HalfAngle,
+        Interpolation::Homogeneous,
+    ] {
+        let mut rng = Random::new(84);
+        let (mut accepted, mut refused, mut nearest) = (0, 0, [0.0_f64; 2]);
+        for _ in 0..4000 {
+            match keeps_its_limits(&mut rng, kind) {
+                Some(reached) => {
+                    accepted += 1;
+                    nearest = [0, 1].map(|k| nearest[k].max(reached[k]));
+                }
+                None => refused += 1,
+            }
+        }
+        println!("{kind:?}: {accepted} accepted, {refused} refused, nearest {nearest:?}");
+        // A bound may be a sixteenth above its limit.
+        assert!(
+            nearest.iter().all(|part| *part <= 1.0 + 1.0 / 16.0),
+            "{kind:?}: {nearest:?}"
+        );
+        // The test is worth something: it accepts motions that come near their limits.
+        assert!(
+            accepted > 400 && refused > 500 && nearest.iter().all(|part| *part > 0.9),
+            "{kind:?}"
+        );
+    }
+}
+
+/// Offers a random segment; returns the largest speed and the largest residual on it, as parts of their limits, if it is
+/// accepted.
+fn keeps_its_limits(rng: &mut Random, kind: Interpolation) -> Option<[f64; 2]> {
     let stars = miura::<f64>(60.0, false, false);
     let star: StarView<'_, f64> = stars.view().iter().next().unwrap();
-    let mut rng = Random::new(84);
-    let (mut accepted, mut refused, mut nearest) = (0, 0, [0.0_f64; 2]);
-    for _ in 0..4000 {
-        let speed = 10_f64.powf(rng.uniform(-0.5, 1.0));
-        let bound = 10_f64.powf(rng.uniform(-6.0, -1.0));
-        let limits = limits(speed);
-        let sheet = SheetView {
-            interpolation: KIND,
-            limits: &limits,
-            stars: stars.view(),
-            closure: bound,
-        };
-        let weight = |rng: &mut Random| {
-            let size = 10_f64.powf(rng.uniform(-3.0, 0.5));
+    let speed = 10_f64.powf(rng.uniform(-0.5, 1.0));
+    let bound = 10_f64.powf(rng.uniform(-6.0, -1.0));
+    let limits = limits(speed);
+    let sheet = SheetView {
+        interpolation: kind,
+        limits: &limits,
+        stars: stars.view(),
+        closure: bound,
+    };
+    let weight = |rng: &mut Random| {
+        let size = 10_f64.powf(rng.uniform(-3.0, 0.5));
+        let weighted = kind == Interpolation::Homogeneous;
+        if weighted {
             [size, size * rng.uniform(-2.0, 2.0)]
-        };
-        let (start, weights) = (rng.uniform(0.0, 2.5), [weight(&mut rng), weight(&mut rng)]);
-        let step = 10_f64.powf(rng.uniform(-3.0, 0.0));
-        let from = setpoint(0, 0.0, start, weights[0]);
-        let to = setpoint(1, rng.uniform(0.1, 2.0), start + step, weights[1]);
-        if takes(&sheet, Some(&from), &to).is_err() {
-            refused += 1;
-            continue;
+        } else {
+            [1.0, 0.0]
         }
-        accepted += 1;
-        let curves =
-            [0, 1].map(|group| Curve::between(KIND, to.time, from.nodes[group], to.nodes[group]));
-        for s in (0..=1000).map(|k| f64::from(k) / 1000.0) {
-            for curve in &curves {
-                let rate = curve.derivatives(s)[0].abs() / to.time;
-                nearest[0] = nearest[0].max(rate / speed);
-                assert!(curve.angle(s).abs() <= PI + 1e-3);
-            }
-            let half: [HalfAngle<f64>; 2] = [curves[0].half_angle(s), curves[1].half_angle(s)];
-            let residual = closure::residual(star, &half).norm();
-            nearest[1] = nearest[1].max(residual / (bound + 1e-9));
+    };
+    let (start, weights) = (rng.uniform(0.0, 2.5), [weight(rng), weight(rng)]);
+    let step = 10_f64.powf(rng.uniform(-3.0, 0.0));
+    let mut from = setpoint(0, 0.0, start, weights[0]);
+    let mut to = setpoint(1, rng.uniform(0.1, 2.0), start + step, weights[1]);
+    if kind != Interpolation::Homogeneous {
+        // The rates of a closed motion at one speed, and at either end something added to that of one group.
+        let (major, time) = (step / to.time, to.time);
+        for at in [&mut from, &mut to] {
+            let tangent = (at.nodes[0].angle / 2.0).tan() / 2.0;
+            let square = |tangent: f64| 1.0 + tangent * tangent;
+            let minor = major / 2.0 * square(2.0 * tangent) / square(tangent);
+            (at.nodes[0].rate, at.nodes[1].rate) = (major, minor);
+            let wrong = bound / time * rng.uniform(-20.0, 20.0);
+            at.nodes[rng.below(2)].rate += if rng.chance(0.7) { wrong } else { 0.0 };
         }
     }
-    println!("{accepted} accepted, {refused} refused, nearest {nearest:?}");
-    // A bound may be a sixteenth above its limit.
-    assert!(
-        nearest.iter().all(|part| *part <= 1.0 + 1.0 / 16.0),
-        "{nearest:?}"
-    );
-    // The test is worth something: it accepts motions that come near their limits.
-    assert!(accepted > 500 && refused > 500 && nearest.iter().all(|part| *part > 0.9));
+    takes(&sheet, Some(&from), &to).ok()?;
+    let curves =
+        [0, 1].map(|group| Curve::between(kind, to.time, from.nodes[group], to.nodes[group]));
+    let mut reached = [0.0_f64; 2];
+    for s in (0..=1000).map(|k| f64::from(k) / 1000.0) {
+        for curve in &curves {
+            let rate = curve.derivatives(s)[0].abs() / to.time;
+            reached[0] = reached[0].max(rate / speed);
+            assert!(curve.angle(s).abs() <= PI + 1e-3);
+        }
+        let half: [HalfAngle<f64>; 2] = [curves[0].half_angle(s), curves[1].half_angle(s)];
+        let residual = closure::residual(star, &half).norm();
+        reached[1] = reached[1].max(residual / (bound + 1e-9));
+    }
+    Some(reached)
+}
+
+/// Closed ends and a closed middle say nothing of an S between them.
+#[test]
+fn an_s_between_closed_places_is_refused() {
+    let (stars, limits) = (miura(60.0, false, false), limits(10.0));
+    for kind in [Interpolation::Hermite, Interpolation::HalfAngle] {
+        let sheet = SheetView {
+            interpolation: kind,
+            limits: &limits,
+            stars: Stars::<f64>::view(&stars),
+            closure: 1e-4,
+        };
+        for (rate, closes) in [(0.0, true), (1e-5, true), (1e-2, false), (0.8, false)] {
+            let s = |number, time| {
+                let mut knot = setpoint(number, time, 1.2, [1.0, 0.0]);
+                knot.nodes[1].rate = rate;
+                knot
+            };
+            let verdict = takes(&sheet, Some(&s(0, 0.0)), &s(1, 2.0));
+            let expected = if closes {
+                Ok(())
+            } else {
+                Err(Refusal::OpenBetween(0))
+            };
+            assert_eq!(verdict, expected, "{kind:?} {rate}");
+        }
+    }
 }
 
 /// A follower checks the vertices of a segment a few at a time; a setpoint is queued once all are checked, with the same

@@ -211,7 +211,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 schema,
                 id,
             }),
-            "Hello: version 3, schema 12345678, id 5",
+            "Hello: version 4, schema 12345678, id 5",
         ),
         (
             item(Item::Sheet(head)),
@@ -255,7 +255,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 version,
                 schema,
             }),
-            "Mismatch: id 5, version 3, schema 12345678",
+            "Mismatch: id 5, version 4, schema 12345678",
         ),
         (
             bytes(ToHost::Welcome {
@@ -332,6 +332,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Reason::Lease), "Lease"),
         (bytes(Fault::Stalled(300)), "fault Stalled: hinge 300"),
         (bytes(Fault::Leap(1)), "Leap of group 1"),
+        (bytes(Fault::Torn(0)), "Torn at essential vertex 0"),
         (bytes(Denial::State), "denial State"),
         (bytes(Denial::Moving), "Moving"),
         (bytes(Denial::Groups), "Groups"),

@@ -345,7 +345,8 @@ impl<
 
     /// Moves the follower on to `now`, microseconds.
     pub fn tick(&mut self, now: u64) {
-        self.loader.follower.tick(now);
+        let stars = self.loader.sheet.stars();
+        self.loader.follower.tick(stars, now);
         if self.loader.jog.hinge().is_some() {
             self.tick_alone();
         }

@@ -135,6 +135,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
             None => (0, 0),
             Some(Fault::Stalled(hinge)) => (1, hinge),
             Some(Fault::Leap(group)) => (2, group.into()),
+            Some(Fault::Torn(star)) => (3, star.into()),
         };
         let numbers = [
             self.starts,
@@ -200,7 +201,8 @@ impl<const GROUPS: usize> Record<GROUPS> {
             fault: match number(fault) {
                 0 => None,
                 1 => Some(Fault::Stalled(number(of))),
-                _ => Some(Fault::Leap(u16::try_from(number(of)).ok()?)),
+                2 => Some(Fault::Leap(u16::try_from(number(of)).ok()?)),
+                _ => Some(Fault::Torn(u16::try_from(number(of)).ok()?)),
             },
             place: FollowerPosition {
                 knot: number(knot),
@@ -301,7 +303,12 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_found() {
-        let faults = [None, Some(Fault::Stalled(70_000)), Some(Fault::Leap(9))];
+        let faults = [
+            None,
+            Some(Fault::Stalled(70_000)),
+            Some(Fault::Leap(9)),
+            Some(Fault::Torn(5)),
+        ];
         for (stopped, fault) in [false, true]
             .into_iter()
             .flat_map(|s| faults.map(|f| (s, f)))

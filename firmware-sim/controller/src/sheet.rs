@@ -181,7 +181,8 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
             push(&mut self.ends, end.into_iter())?;
         }
         let complete = number(self.spokes.len()) == head.spokes;
-        if complete && self.stars().is_none() {
+        let stars = || StarsView::new(&self.spokes, &self.ends, head.groups.into());
+        if complete && stars().is_none() {
             self.spokes.truncate(before.0);
             self.ends.truncate(before.1);
             return Err(ItemRefusal::Stars);
@@ -204,11 +205,10 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         self.head.ok_or(ItemRefusal::Incomplete)
     }
 
-    // Not inlined, so that an image has the check of all spokes once.
-    #[inline(never)]
-    fn stars(&self) -> Option<StarsView<'_, f32>> {
-        let groups = self.head?.groups;
-        StarsView::new(&self.spokes, &self.ends, groups.into())
+    /// Returns the essential vertices that were received, which are valid once the sheet is complete.
+    pub(crate) fn stars(&self) -> StarsView<'_, f32> {
+        let groups = self.head.map_or(0, |head| head.groups);
+        StarsView::accepted(&self.spokes, &self.ends, groups.into())
     }
 
     /// Returns the sheet and the place on its path at which to begin, if the sheet is complete.
@@ -222,7 +222,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         let view = SheetView {
             interpolation: head.interpolation,
             limits: &self.limits,
-            stars: self.stars()?,
+            stars: self.stars(),
             closure: head.closure,
         };
         complete.then_some((view, head))

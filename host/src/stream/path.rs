@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use foldpath_core::acceptance::stay_closed;
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -68,7 +69,26 @@ impl StreamPath {
                 format!("{knots} knots of {groups} groups, {hinges} hinges, {spokes} spokes");
             return Err(FileError::expected(file, "path", expected, found));
         }
+        if let Some((knot, star)) = this.first_open() {
+            let place = format!("segment before knot {knot}");
+            let expected = format!(
+                "essential vertices that stay closed within {:e}, as the file says",
+                this.closure
+            );
+            let found = format!("vertex {star} open by more");
+            return Err(FileError::expected(file, &place, expected, found));
+        }
         Ok(this)
+    }
+
+    /// Returns the first knot before which an essential vertex is not known to stay closed, and the vertex. A controller
+    /// would refuse it.
+    fn first_open(&self) -> Option<(usize, u16)> {
+        let (view, stars) = (self.view()?, self.stars()?);
+        (1..view.len()).find_map(|k| {
+            let open = stay_closed(stars, |group| view.curve(k - 1, group), self.closure);
+            Some((k, open.err()?))
+        })
     }
 
     /// Returns the way back: the knots in reverse order, their times from the other end, their rates negated. The angles

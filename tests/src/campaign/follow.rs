@@ -59,7 +59,7 @@ pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
         }
         now += TICK;
         follower.heard(now);
-        follower.tick(now);
+        follower.tick(sheet.stars, now);
         for (group, (angle, limits)) in follower.angles().iter().zip(&limits).enumerate() {
             let margin = ROUNDING * (1.0 + angle.abs());
             if !(limits.lower - margin..=limits.upper + margin).contains(angle) {

@@ -104,7 +104,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
     let mut run = Vec::new();
     for tick in 1.. {
         follower.heard(1000 * tick);
-        follower.tick(1000 * tick);
+        follower.tick(sheet.stars, 1000 * tick);
         run.push([follower.angles()[0], follower.angles()[1]]);
         if follower.state() == State::Done {
             break;

@@ -428,7 +428,7 @@ fn followed(name: &str, interpolation: &str) -> [f32; 2] {
     let mut worst = 0.0_f32;
     for now in (1..60_000).map(|tick| 1000 * tick) {
         follower.heard(now);
-        follower.tick(now);
+        follower.tick(stars, now);
         for (rate, limits) in follower.rates().iter().zip(&limits) {
             assert!(rate.abs() <= limits.speed, "{name} {interpolation}");
         }

@@ -84,7 +84,8 @@ pub(super) fn tick() -> Box<dyn FnMut()> {
     Box::new(move || {
         now += TICK;
         follower.heard(now);
-        follower.tick(black_box(now));
+        let stars = StarsView::accepted(&spokes, &[4], 2);
+        follower.tick(stars, black_box(now));
         assert_eq!(follower.state(), State::Running);
     })
 }
