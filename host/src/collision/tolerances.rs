@@ -15,7 +15,7 @@ pub const CONTACT_EDGES: Range = Range::from("median edges", 0.0).up_to(MAX_ROUN
 pub(crate) const CROSSING_DEPTH_EDGES: f64 = 1e-6;
 /// Sine of the angle between two faces below which they are layers, parallel but for rounding: their depth is measured
 /// across them, not within.
-pub(super) const MIN_LEAN: f64 = 1e-3;
+pub(super) const MIN_LEAN: f64 = 5e-4;
 /// Ratio of the depth that counts as a crossing to the size of the smaller of two faces, if that is less than
 /// `CROSSING_DEPTH_EDGES`: faces however thin do not pass through others.
 pub(super) const CROSSING_DEPTH_RATIO: f64 = 1e-3;
