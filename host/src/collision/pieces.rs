@@ -30,6 +30,8 @@ pub(super) struct Contact {
     /// Depth that counts as a crossing, and additional depth that rounded coordinates explain, units of the sheet.
     depth: f64,
     rounding: f64,
+    /// Distance by which pieces may be elsewhere because the sheet does not quite close, units of the sheet.
+    loose: f64,
 }
 
 impl Contact {
@@ -39,7 +41,14 @@ impl Contact {
         Self {
             depth: depth * median_edge,
             rounding: (contact - depth) * median_edge,
+            loose: 0.0,
         }
+    }
+
+    /// Takes a distance (units of the sheet) by which pieces may be elsewhere than they are placed, because the sheet does
+    /// not quite close.
+    pub(super) fn loosely(self, loose: f64) -> Self {
+        Self { loose, ..self }
     }
 
     /// Returns the depth up to which an overlap of two pieces is contact, if a tear has moved them by `torn` at most.
@@ -47,6 +56,7 @@ impl Contact {
         let size = pieces.smaller_size(pair);
         Allowed {
             within: self.depth.min(CROSSING_DEPTH_RATIO * size),
+            loose: self.loose,
             shift: self.rounding.min(MAX_ROUNDING_RATIO * size) + torn,
         }
     }
@@ -352,9 +362,9 @@ impl<'a> Placed<'a> {
         let overlap = (apart <= 0.0)
             .then(|| Overlap::of(&a, &b, reaches(), Allowed::NOTHING))
             .flatten();
-        let most = allowed.across(lean);
-        overlap.map_or(most, |overlap| {
-            overlap.left(allowed, lean).max(MIN_LEFT_RATIO * most)
+        overlap.map_or(allowed.from_outside(lean), |overlap| {
+            let least = MIN_LEFT_RATIO * allowed.across(lean);
+            overlap.left(allowed, lean).max(least)
         })
     }
 

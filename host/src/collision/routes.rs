@@ -235,6 +235,8 @@ impl<'a> SearchedSheet<'a> {
         if torn {
             options.lattice_deviation = deviation;
             options.lattice_turn = lattice.turn_deviation(self.pattern, options.closure);
+        } else {
+            options.left_out = deviation;
         }
         let searched = Searched::by(self.sweep(options, Some(lattice)), segments);
         let decided = match searched.verdict {

@@ -21,7 +21,7 @@ pub(super) const MIN_LEAN: f64 = 5e-4;
 pub(super) const CROSSING_DEPTH_RATIO: f64 = 1e-3;
 /// Smallest depth that two pieces in contact may gain until the next query, as a fraction of the depth up to which an
 /// overlap is contact. Without it, pieces that rest on each other at that depth would be queried without end.
-pub(super) const MIN_LEFT_RATIO: f64 = 0.05;
+pub(super) const MIN_LEFT_RATIO: f64 = 0.005;
 /// Ratio of a tear at a common vertex to the size of the smaller face up to which an overlap of the two faces may come
 /// from the tear.
 pub(super) const MAX_TEAR_RATIO: f64 = 0.5;

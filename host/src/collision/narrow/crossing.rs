@@ -85,6 +85,9 @@ impl ConvexPiece<'_> {
 pub(in crate::collision) struct Allowed {
     /// Depth within the planes of the pieces: they are free if they are so once both are smaller by this all round.
     pub(in crate::collision) within: f64,
+    /// Distance across each other by which pieces may be elsewhere because the sheet does not quite close. Together with
+    /// the depth within, it counts up to that depth.
+    pub(in crate::collision) loose: f64,
     /// Distance, in any direction, by which pieces may be elsewhere than they are placed.
     pub(in crate::collision) shift: f64,
 }
@@ -93,18 +96,29 @@ impl Allowed {
     /// No overlap is contact.
     pub(in crate::collision) const NOTHING: Self = Self {
         within: 0.0,
+        loose: 0.0,
         shift: 0.0,
     };
 
     /// Returns the extent up to which a piece may reach through the plane of another while the two planes enclose these
     /// angles.
     pub(in crate::collision) fn across(self, lean: Lean) -> f64 {
-        self.within * lean.least() + self.shift
+        self.part_across(lean.least())
+    }
+
+    /// Returns by how much points of two pieces that do not overlap may pass each other until the segment that both share
+    /// may be longer than contact allows: its two ends move by no more than that over the sine.
+    pub(in crate::collision) fn from_outside(self, lean: Lean) -> f64 {
+        self.part_across(lean.least() / 2.0)
     }
 
     /// Returns the least of these extents at any angle.
     fn least_across(self) -> f64 {
-        self.within * MIN_LEAN + self.shift
+        self.part_across(MIN_LEAN)
+    }
+
+    fn part_across(self, part: f64) -> f64 {
+        (self.within * part + self.loose).min(self.within) + self.shift
     }
 
     /// Returns the largest of these extents, which is also the longest segment that pieces may share.
@@ -205,7 +219,8 @@ impl Overlap {
     /// Returns by how much points may approach each other at least until the overlap is no longer contact, while the
     /// planes enclose these angles.
     pub(in crate::collision) fn left(self, allowed: Allowed, lean: Lean) -> f64 {
-        let along = lean.least() * (allowed.largest() - self.along);
+        // The two ends of the segment move by no more than what points approach, over the sine.
+        let along = lean.least() * (allowed.largest() - self.along) / 2.0;
         (allowed.across(lean) - self.across).max(along)
     }
 }
@@ -256,7 +271,7 @@ impl Reach {
 pub fn crossing_depth(a: &ConvexPiece<'_>, b: &ConvexPiece<'_>, tolerance: f64) -> f64 {
     let allowed = Allowed {
         within: tolerance,
-        shift: 0.0,
+        ..Allowed::NOTHING
     };
     let reaches = [a.reach(b, tolerance), b.reach(a, tolerance)];
     let overlap = Overlap::of(a, b, reaches, allowed);

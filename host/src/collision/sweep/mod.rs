@@ -135,11 +135,13 @@ impl<'a> Sweep<'a> {
             None => Box::new(SheetPairs::new(pattern, hinges, &hierarchy, &options)),
         };
         let closure = (!along_lattice).then_some(options.closure);
+        let length = closure.map_or(0.0, |_| 2.0 * pattern.tree().reach(pattern));
+        let loose = options.closure * length + options.left_out * pattern.median_edge();
         Self {
             pattern,
             memberships,
             groups,
-            contact: Contact::new(pattern.median_edge(), options.contact),
+            contact: Contact::new(pattern.median_edge(), options.contact).loosely(loose),
             watch: Watch::default(),
             approach: Approach::new(pattern, hinges, &hierarchy, closure),
             sheet: PlacedPieces::new(pattern, (pieces, hierarchy), source, along_lattice),
@@ -153,7 +155,7 @@ impl<'a> Sweep<'a> {
             } else {
                 0.0
             },
-            length: closure.map_or(0.0, |_| 2.0 * pattern.tree().reach(pattern)),
+            length,
             turns: Vec::new(),
             changes: Vec::new(),
             queries: 0,
