@@ -9,16 +9,18 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::bernstein::differences;
-use crate::curve::{Flaw, half_angle};
+use crate::curve::Flaw;
 use crate::numbers::Numbers;
 use crate::segment_bounds::{self, Judged, Part};
-use crate::{Curve, GroupLimits, HalfAngle, Interpolation, Node, Scalar, StarsView, closure};
+use crate::{Curve, GroupLimits, Interpolation, Node, Scalar, StarsView, closure};
 
 /// Number of intervals between the checked places of a segment.
 const CHECKED_INTERVALS: u32 = 8;
 /// Rounding error by which a curve's value and derivatives may miss a limit, in precisions (ε) of the largest number that
 /// goes into the curve. The second derivative sums six products of four numbers.
 const CURVE_EPSILONS: f64 = 24.0;
+/// Rounding error that a commanded angle adds to a closure residual, in precisions (ε).
+const CLOSURE_EPSILONS: f64 = 16.0;
 
 /// Description of the sheet, as far as a controller knows it.
 #[derive(Clone, Copy, Debug)]
@@ -149,17 +151,20 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     if before.is_some_and(|before| before.time >= next.time) {
         return Err(Refusal::Order);
     }
-    let mut half_angles = [HalfAngle::default(); GROUPS];
-    for ((group, half), (node, limits)) in groups(half_angles.iter_mut()).zip(pairs(next, sheet)) {
+    let mut angles = [T::zero(); GROUPS];
+    for ((group, angle), (node, limits)) in groups(angles.iter_mut()).zip(pairs(next, sheet)) {
         match node.flaw(sheet.interpolation) {
             Some(Flaw::NotFinite) => return Err(Refusal::NotFinite(group)),
             Some(Flaw::HalfTurn) => return Err(Refusal::HalfTurn(group)),
             Some(Flaw::Weight) => return Err(Refusal::Weight(group)),
             None if !limits.allow(node.angle) => return Err(Refusal::Range(group)),
-            None => *half = half_angle(node.angle),
+            None => *angle = node.angle,
         }
     }
-    closes(sheet, &half_angles).map_err(Refusal::Open)?;
+    let open = |(_, star): &(u16, _)| !closure::closes_at(*star, &angles, sheet.closure);
+    if let Some((star, _)) = groups(sheet.stars.iter()).find(open) {
+        return Err(Refusal::Open(star));
+    }
     let Some(before) = before else {
         return Ok(());
     };
@@ -213,6 +218,16 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     Ok(sheet.stars.get(progress.star.into()).is_none())
 }
 
+/// Returns the largest closure residual of a vertex with this number of spokes at commanded angles of a path, whose
+/// setpoints are closed within `closure`: bounds and the rounding of commands add to that.
+pub fn most_commanded<T: Scalar>(closure: T, spokes: usize) -> T {
+    let mut most = closure * segment_bounds::slack();
+    for _ in 0..spokes {
+        most += T::lit(CLOSURE_EPSILONS) * T::EPSILON;
+    }
+    most
+}
+
 /// Checks that all essential vertices stay closed on a segment, as a controller does before it takes a setpoint. `curve`
 /// returns the curve of a group.
 ///
@@ -249,14 +264,6 @@ fn pairs<'a, T: Scalar, const GROUPS: usize>(
     setpoint.nodes.iter().zip(sheet.limits)
 }
 
-/// Returns the first star that does not close as an error.
-#[inline(never)]
-fn closes<T: Scalar>(sheet: &SheetView<'_, T>, half_angles: &[HalfAngle<T>]) -> Result<(), u16> {
-    let closes = |star| closure::closes(star, half_angles, sheet.closure);
-    let first = groups(sheet.stars.iter()).find(|(_, star)| !closes(*star));
-    first.map_or(Ok(()), |(star, _)| Err(star))
-}
-
 /// Checks the limits of a group on a segment of `span` seconds; `size` is the size of the numbers that go into its
 /// curve.
 fn keeps<T: Scalar>(
@@ -279,8 +286,13 @@ fn keeps<T: Scalar>(
         kept(bend <= gentle, Refusal::Acceleration(group))
     };
     let step = T::one() / T::whole(CHECKED_INTERVALS);
-    let places = (0..=CHECKED_INTERVALS).map(|k| T::whole(k) * step);
-    places.chain(extremes(curve)).try_for_each(keeps)?;
+    let extremes = extremes(curve);
+    // One loop over all places, so that an image has the check once.
+    for place in 0..=CHECKED_INTERVALS + 3 {
+        let extreme = place.checked_sub(CHECKED_INTERVALS + 1);
+        let extreme = extreme.and_then(|k| extremes.get(k as usize));
+        keeps(extreme.copied().unwrap_or(T::whole(place) * step))?;
+    }
     let Curve::HalfAngle { cos, sin } = *curve else {
         return Ok(());
     };

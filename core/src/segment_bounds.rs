@@ -91,6 +91,13 @@ impl Part {
 /// Coefficients of the cubics c and n of one group on a segment.
 type Pair<T> = [[T; 4]; 2];
 
+// The functions here are not inlined, nor are they unrolled over arrays of known length: they are rarely called, and
+// would otherwise double the acceptance of a setpoint in an image.
+#[inline(never)]
+fn part_of<T: Scalar>(cubic: &[T; 4], part: [T; 2]) -> [T; 4] {
+    restrict(cubic, part)
+}
+
 /// Returns the largest factor by which a bound may be above its limit.
 pub(crate) fn slack<T: Scalar>() -> T {
     T::one() + T::lit(SLACK_RATIO)
@@ -101,7 +108,7 @@ pub(crate) fn slack<T: Scalar>() -> T {
 #[inline(never)]
 pub(crate) fn turns_slowly<T: Scalar>(pair: Pair<T>, speed: T, noise: T) -> bool {
     everywhere(&mut |part: [T; 2]| {
-        let [cos, sin] = pair.map(|cubic| restrict(&cubic, part));
+        let [cos, sin] = pair.map(|cubic| part_of(&cubic, part));
         let [from, to] = part;
         let most = speed * slack() * (to - from) + noise;
         let (c, n) = (scaled(cos), scaled(sin));
@@ -132,7 +139,7 @@ pub(crate) fn stays_within<T: Scalar>(pair: Pair<T>, lower: T, upper: T) -> bool
     let low = half_angle((lower - slack).max(-T::PI));
     let high = half_angle((upper + slack).min(T::PI));
     everywhere(&mut |part: [T; 2]| {
-        let [cos, sin] = pair.map(|cubic| restrict(&cubic, part));
+        let [cos, sin] = pair.map(|cubic| part_of(&cubic, part));
         cos.iter().zip(&sin).all(|(c, n)| {
             let noise = T::lit(8.0) * T::EPSILON * (c.abs() + n.abs());
             let above = *n * low.cos - *c * low.sin >= -noise;
@@ -189,7 +196,7 @@ fn half_angles_close<T: Scalar>(
             return false;
         };
         length += 3;
-        let pair = [cos, sin].map(|cubic| scaled(restrict(&cubic, ends)));
+        let pair = [cos, sin].map(|cubic| scaled(part_of(&cubic, ends)));
         across(&mut product, length, pair, spoke.axis());
     }
     let sign = match product.first() {
@@ -222,7 +229,7 @@ fn angles_close<T: Scalar>(
         let Some(Curve::Angle(angle)) = curve(spoke.group.index()) else {
             return false;
         };
-        let cubic = restrict(&angle, ends);
+        let cubic = part_of(&angle, ends);
         let [first, middle, last] = differences(&cubic);
         let [grow, fall] = [middle - first, last - middle];
         turn += first.abs().max(middle.abs()).max(last.abs()) * three * T::HALF;
@@ -267,13 +274,16 @@ impl<T: Scalar> Along<T> {
         }
     }
 
+    // Not inlined, nor is `jet`, so that an image has them once.
     /// Folds about the next axis by an angle (radians) that changes at this rate.
+    #[inline(never)]
     fn cross(&mut self, angle: T, rate: T, axis: [T; 2]) {
         self.spin += self.product.rotate_in_sheet(axis) * rate;
         self.product = self.product.across_crease(half_angle(angle), axis);
     }
 
     /// Returns the closure residual and its derivative, if the star ends here.
+    #[inline(never)]
     fn jet(&self) -> [Vector3<T>; 2] {
         let product = positive(self.product);
         [product.v * T::TWO, derivative(product, &self.spin)]

@@ -2,14 +2,12 @@
 
 use heapless::Deque;
 
-use crate::acceptance::{Refusal, Setpoint, SheetView};
+use crate::acceptance::{Refusal, Setpoint, SheetView, most_commanded};
 use crate::follower::FollowerPosition;
 use crate::{Curve, Interpolation, Scalar, StarsView, closure, segment_bounds};
 
 /// Rounding error of a commanded angle, in precisions (ε) of 1 and the range of its limits.
 const COMMAND_EPSILONS: f64 = 64.0;
-/// Rounding error that a commanded angle adds to a closure residual, in precisions (ε).
-const CLOSURE_EPSILONS: f64 = 16.0;
 
 /// Setpoints of the path; the position lies on the segment behind the first one.
 // In order, for the reason given at `Follower`.
@@ -18,7 +16,7 @@ const CLOSURE_EPSILONS: f64 = 16.0;
 pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     interpolation: Interpolation,
     groups: usize,
-    /// Largest closure residual of a setpoint.
+    /// Largest closure residual at commanded angles.
     closure: T,
     /// Duration of the segment behind the first setpoint (`span`), and the part of it that has passed (`into`), seconds.
     span: T,
@@ -60,7 +58,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         self.clear();
         self.interpolation = sheet.interpolation;
         self.groups = sheet.limits.len();
-        self.closure = sheet.closure;
+        self.closure = most_commanded(sheet.closure, sheet.stars.max_degree());
         for (bounds, limits) in self.bounds.iter_mut().zip(sheet.limits) {
             *bounds = [limits.lower, limits.upper, limits.speed.min(T::MAX)];
         }
@@ -145,11 +143,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         };
         let star = stars.get(number.into())?;
         *turn = number.wrapping_add(1);
-        let mut bound = self.closure * segment_bounds::slack();
-        for _ in star.spokes {
-            bound += T::lit(CLOSURE_EPSILONS) * T::EPSILON;
-        }
-        (!closure::closes_at(star, angles, bound)).then_some(number)
+        (!closure::closes_at(star, angles, self.closure)).then_some(number)
     }
 
     /// Returns the seconds from the position to the last setpoint, at most the largest number.

@@ -158,7 +158,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             item,
         })
     };
-    let (version, schema, id) = (3, 0x1234_5678, 5);
+    let (version, schema, id) = (4, 0x1234_5678, 5);
     let report = Report {
         next: 300,
         limit: 316,

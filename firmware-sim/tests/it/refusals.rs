@@ -127,7 +127,18 @@ impl Talk {
             last: head.last,
             nodes: &nodes,
         };
-        self.item(Item::Setpoint(setpoint))
+        let refused = self.item(Item::Setpoint(setpoint));
+        if !self.device.is_busy() {
+            return refused;
+        }
+        // It takes several rounds to be checked.
+        while self.device.is_busy() {
+            self.listen();
+        }
+        self.listen();
+        let report = self.report.unwrap();
+        self.sequence = report.next;
+        report.refused
     }
 }
 

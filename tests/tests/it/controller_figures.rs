@@ -50,7 +50,8 @@ fn work_is_done_in_time() {
     assert!((100..=300).contains(&cost("closure-of-degree-4")));
     assert!((2000..=4500).contains(&cost("levenberg-marquardt-step-of-6-unknowns")));
     let [few, some, all] = [6, 64, 1104].map(|hinges| cost(&format!("tick-of-{hinges}-hinges")));
-    assert!((100..=1200).contains(&few));
+    // With the guard of a vertex of four spokes, 400 instructions.
+    assert!((100..=1530).contains(&few));
     assert!((58 * 10..=58 * 25).contains(&(some - few)));
     assert!((1098 * 10..=1098 * 25).contains(&(all - few)));
     assert!(all <= PACE / 1000);
