@@ -158,7 +158,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             item,
         })
     };
-    let (version, schema, id) = (4, 0x1234_5678, 5);
+    let (version, schema, id) = (3, 0x1234_5678, 5);
     let report = Report {
         next: 300,
         limit: 316,
@@ -211,7 +211,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 schema,
                 id,
             }),
-            "Hello: version 4, schema 12345678, id 5",
+            "Hello: version 3, schema 12345678, id 5",
         ),
         (
             item(Item::Sheet(head)),
@@ -255,7 +255,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
                 version,
                 schema,
             }),
-            "Mismatch: id 5, version 4, schema 12345678",
+            "Mismatch: id 5, version 3, schema 12345678",
         ),
         (
             bytes(ToHost::Welcome {
