@@ -2,6 +2,7 @@
 
 use foldpath_core::trajectory::{TrajectoryError, TrajectoryView};
 use foldpath_core::trajectory_file::{FileError, TrajectoryFile, write};
+use foldpath_core::wire::file::FileItems;
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Node, Scalar, Spoke, StarsView,
 };
@@ -430,4 +431,9 @@ fn the_example_of_the_protocol_is_what_it_says() {
     let sink = |part: &[u8]| again.extend_from_slice(part);
     write(view, &[limits, tame], &hinges(), stars, CLOSURE, sink).unwrap();
     assert_eq!(again, bytes);
+    // Its number on the line is the one that the protocol gives.
+    let number = FileItems::new(file).unwrap().identity();
+    let said = format!("example above has the number `{number:08x}`");
+    let protocol = include_str!("../../../firmware-sim/PROTOCOL.md");
+    assert!(protocol.contains(&said), "{said}");
 }
