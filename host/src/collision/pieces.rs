@@ -362,7 +362,7 @@ impl<'a> Placed<'a> {
         let overlap = (apart <= 0.0)
             .then(|| Overlap::of(&a, &b, reaches(), Allowed::NOTHING))
             .flatten();
-        overlap.map_or(allowed.from_outside(lean), |overlap| {
+        overlap.map_or(allowed.until_shared(lean), |overlap| {
             let least = MIN_LEFT_RATIO * allowed.across(lean);
             overlap.left(allowed, lean).max(least)
         })

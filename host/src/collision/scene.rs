@@ -89,8 +89,12 @@ impl CollisionScene {
             normals: &self.normals,
         };
         let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
-            let allowed = contact.of(pieces, [a, b], placed.torn([a, b]));
-            let depth = placed.depth([a, b], allowed);
+            // Few pairs overlap, so that few tears are measured.
+            let depth = |torn| placed.depth([a, b], contact.of(pieces, [a, b], torn));
+            let depth = match depth(0.0) {
+                overlap if overlap > 0.0 => depth(placed.torn([a, b])),
+                _ => return,
+            };
             if depth <= 0.0 {
                 return;
             }

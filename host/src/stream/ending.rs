@@ -7,7 +7,7 @@ use foldpath_core::wire::message::{Capacity, ItemRefusal};
 use foldpath_core::wire::sender::Failure;
 
 /// Reason why a session ended before its path did.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Ending {
     /// The line cannot be opened, or is broken: its name, and what the operating system says.
@@ -34,6 +34,9 @@ pub enum Ending {
         /// `true` if the stop line is drawn as well, and has to be let go.
         stopped: bool,
     },
+    /// The controller has told angles on the path at which an essential vertex is open by this closure residual, more than
+    /// the path.
+    Torn(f64),
     /// The sheet stands at this knot, which is not on the path.
     OffPath(u32),
     /// The controller has refused an item.
@@ -72,6 +75,10 @@ impl fmt::Display for Ending {
             } => write!(
                 f,
                 "{reason}. The stop line holds the motion as well and has to be let go"
+            ),
+            Self::Torn(closure) => write!(
+                f,
+                "the controller told angles that tear the sheet: closure {closure:.1e}, more than the path has"
             ),
             Self::OffPath(knot) => {
                 write!(f, "the sheet stands at knot {knot}, not on this path")

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use foldpath_core::acceptance::stay_closed;
+use foldpath_core::acceptance::{most_commanded, stay_closed};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -174,6 +174,15 @@ impl StreamPath {
         let stars = StarsView::new(&self.wide, &self.ends, self.groups());
         let stars = stars.filter(|_| angles.len() == self.groups());
         stars.map_or(0.0, |stars| largest_star_residual(stars, &angles))
+    }
+
+    /// Returns the largest closure residual that a controller may tell of a place on the path: with what its own bounds and
+    /// rounding add.
+    #[must_use]
+    pub fn most_told(&self) -> f64 {
+        let stars = self.stars();
+        let spokes = stars.map_or(0, |stars| stars.max_degree());
+        most_commanded(self.closure, spokes).to_f64()
     }
 
     /// Returns the stars of the essential vertices.

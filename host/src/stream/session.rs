@@ -2,7 +2,7 @@
 
 use std::io;
 
-use foldpath_core::follower::{Denial, Reason, State};
+use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::driver::{Driver, Persistence};
 use foldpath_core::wire::key::Key;
 use foldpath_core::wire::message::ToHost;
@@ -165,6 +165,8 @@ pub fn run(
         unknown: None,
         bytes: 0,
         closure: 0.0,
+        begun: None,
+        torn: None,
         quit: None,
     };
     let start = link.now();
@@ -234,6 +236,10 @@ struct Session<'a> {
     unknown: Option<u64>,
     bytes: u64,
     closure: f64,
+    /// Place that was told first since the sheet moves.
+    begun: Option<FollowerPosition<f32>>,
+    /// Time when the controller told angles on the path that do not close as the path does.
+    torn: Option<u64>,
     /// `Some` once the watcher quits; inside, the time at which the stop line was drawn, if the host can draw it.
     quit: Option<Option<u64>>,
 }
@@ -249,6 +255,7 @@ impl Session<'_> {
     ) -> io::Result<()> {
         let wish = match (&failed, watcher.wish()) {
             (Some(_), Wish::Run) => Wish::Stop,
+            (_, Wish::Run) if self.torn.is_some() => Wish::Stop,
             (_, wish) => wish,
         };
         self.look(wish, link)?;
@@ -295,8 +302,8 @@ impl Session<'_> {
                 Ok(byte) => byte?,
                 Err(error) => return Some(Err(error)),
             };
-            let (time, state, rate, place, first, piece) = match self.driver.byte(byte, link.now())
-            {
+            let now = link.now();
+            let (time, state, rate, place, first, piece) = match self.driver.byte(byte, now) {
                 Some(ToHost::Telemetry {
                     time,
                     state,
@@ -347,7 +354,7 @@ impl Session<'_> {
                 round_trip: None,
             };
             if whole {
-                self.closure = self.closure.max(self.path.residual(&telemetry.angles));
+                self.judge(&telemetry, now);
                 self.told = Some(telemetry);
             } else {
                 self.telemetry = Some(telemetry);
@@ -355,6 +362,24 @@ impl Session<'_> {
             if before.is_some() {
                 return before;
             }
+        }
+    }
+
+    /// Takes the closure residual of angles that were told at `now`, microseconds.
+    fn judge(&mut self, told: &Telemetry, now: u64) {
+        let runs = told.state == State::Running;
+        // Before the place moves the groups approach it, and need not close.
+        let begun = *self.begun.get_or_insert(told.place);
+        if !runs {
+            self.begun = None;
+        } else if told.place == begun {
+            return;
+        }
+        let closure = self.path.residual(&told.angles);
+        self.closure = self.closure.max(closure);
+        let follows = runs || told.state == State::Done;
+        if follows && closure > self.path.most_told() {
+            self.torn.get_or_insert(now);
         }
     }
 
@@ -401,6 +426,11 @@ impl Session<'_> {
             return gone.then_some((Outcome::Stopped, Ending::NotBegun));
         };
         let (state, reason) = (report.state, report.reason);
+        if let Some(since) = self.torn {
+            // A controller that does not obey is left to hold by itself.
+            let over = state != State::Running || now > since + PATIENCE_US;
+            return over.then_some((Outcome::Faulted, Ending::Torn(self.closure)));
+        }
         let recovers = self.resume && !self.driver.is_started();
         if state == State::Faulted {
             let stopped = report.stopped;

@@ -1,6 +1,7 @@
 //! Tests of where a session begins, which way it runs, and what it does about holds that are not its own.
 
 use core::cell::Cell;
+use std::collections::VecDeque;
 use std::io;
 use std::path::Path;
 
@@ -12,6 +13,9 @@ use foldpath::stream::{
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::write;
+use foldpath_core::wire::cobs::{self, Deframer};
+use foldpath_core::wire::frame;
+use foldpath_core::wire::message::ToHost;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
 use foldpath_test_support::Folder;
 
@@ -483,4 +487,65 @@ fn the_word_of_an_operator_has_to_fit_the_path() {
         assert!(answer.begins(message), "{answer:?}");
     }
     assert!(!folder.names().contains(&"log.csv".into()));
+}
+
+/// A controller that tells angles on the path that tear the sheet, as firmware with a fault in it would: the motion is held,
+/// and the session ends with that.
+#[test]
+fn angles_that_tear_the_sheet_end_the_session() {
+    struct Liar {
+        sim: Sim,
+        deframer: Deframer<512>,
+        ready: VecDeque<u8>,
+    }
+    impl Link for Liar {
+        fn now(&self) -> u64 {
+            self.sim.now()
+        }
+        fn is_free(&self) -> bool {
+            self.sim.is_free()
+        }
+        fn write(&mut self, frame: &[u8]) -> io::Result<()> {
+            self.sim.write(frame)
+        }
+        fn read(&mut self) -> io::Result<Option<u8>> {
+            while self.ready.is_empty() {
+                let Some(byte) = self.sim.read()? else { break };
+                let Some(bytes) = self.deframer.push(byte) else {
+                    continue;
+                };
+                let (session, mut message) = frame::open::<ToHost<'_>>(bytes).unwrap();
+                let mut changed = Vec::new();
+                if let ToHost::Telemetry { place, angles, .. } = &mut message
+                    && place.knot > 2
+                    && !angles.is_empty()
+                {
+                    changed.extend_from_slice(angles);
+                    let first = f32::from_le_bytes(*changed.first_chunk().unwrap());
+                    changed[..4].copy_from_slice(&(first + 1e-3).to_le_bytes());
+                    *angles = &changed;
+                }
+                let mut buffer = [0; 512];
+                let sealed = frame::seal(session, &message, &mut buffer).unwrap();
+                cobs::encode(sealed, |byte| self.ready.push_back(byte));
+            }
+            Ok(self.ready.pop_front())
+        }
+        fn wait(&mut self) -> io::Result<()> {
+            self.sim.wait()
+        }
+    }
+    let path = read(&small(), "path.traj");
+    let mut liar = Liar {
+        sim: Sim::new(),
+        deframer: Deframer::default(),
+        ready: VecDeque::new(),
+    };
+    let (summary, _) = session(&mut liar, &path, options(1, false), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Faulted, "{summary:?}");
+    assert!(
+        matches!(summary.reason, Some(Ending::Torn(closure)) if closure > 1e-4),
+        "{summary:?}"
+    );
+    assert_eq!(liar.sim.device().follower().state(), State::Holding);
 }

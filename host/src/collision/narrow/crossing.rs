@@ -108,7 +108,7 @@ impl Allowed {
 
     /// Returns by how much points of two pieces that do not overlap may pass each other until the segment that both share
     /// may be longer than contact allows: its two ends move by no more than that over the sine.
-    pub(in crate::collision) fn from_outside(self, lean: Lean) -> f64 {
+    pub(in crate::collision) fn until_shared(self, lean: Lean) -> f64 {
         self.part_across(lean.least() / 2.0)
     }
 
