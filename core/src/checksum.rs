@@ -3,23 +3,20 @@
 /// Polynomial of the checksum, with its bits reversed.
 const POLYNOMIAL: u32 = 0xedb8_8320;
 
-/// Bits of a byte that one look at the table takes in: with fewer the table is small, and a byte takes two looks.
-const BITS: usize = if cfg!(feature = "small") { 4 } else { 8 };
-
-/// The checksum that each value of these bits leaves behind it.
-static TABLE: [u32; 1 << BITS] = table();
+/// The checksum that each value of a byte leaves behind it.
+static TABLE: [u32; 256] = table();
 
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, with a place for each value"
 )]
-const fn table() -> [u32; 1 << BITS] {
-    let mut rest = [0; 1 << BITS];
+const fn table() -> [u32; 256] {
+    let mut rest = [0; 256];
     let mut place = 0;
     let mut of = 0;
     while place < rest.len() {
         let (mut value, mut bit): (u32, usize) = (of, 0);
-        while bit < BITS {
+        while bit < 8 {
             let odd = value & 1 == 1;
             value >>= 1;
             if odd {
@@ -43,12 +40,10 @@ pub fn checksum_on(before: u32, bytes: &[u8]) -> u32 {
     let mut sum = !before;
     for byte in bytes {
         sum ^= u32::from(*byte);
-        for _ in 0..8 / BITS {
-            let [low, ..] = sum.to_le_bytes();
-            // Every value has its place in the table.
-            let rest = TABLE.get(usize::from(low) % TABLE.len());
-            sum = sum >> BITS ^ rest.copied().unwrap_or(0);
-        }
+        let [low, ..] = sum.to_le_bytes();
+        // Every value has its place in the table.
+        let rest = TABLE.get(usize::from(low));
+        sum = sum >> 8 ^ rest.copied().unwrap_or(0);
     }
     !sum
 }

@@ -11,7 +11,7 @@ use foldpath::read::read_pattern;
 use foldpath_tests::{Planned, path_file};
 use object::{Object, ObjectSymbol};
 
-use crate::image::{IMAGES, PROBE, board_output, for_size, image, output_of, port, size};
+use crate::image::{IMAGES, image, port, size};
 
 /// Links a port. Asserts that it needs at most so many bytes of flash and of RAM, and that its stack lies below its data, so
 /// that an overflow is a fault.
@@ -59,33 +59,6 @@ fn the_images_have_the_memory_that_their_sizes_need() {
         (expected * 9 / 10..=expected * 11 / 10).contains(&ram),
         "{ram} {expected}"
     );
-}
-
-/// A build for size computes the same bits, takes a tenth less flash, and up to half more instructions.
-#[test]
-#[ignore = "builds for minutes: `tests/run full` runs it"]
-fn a_build_for_size_has_its_price() {
-    let folder = for_size();
-    let bytes = fs::read(folder.join("foldpath-mps2-small")).unwrap();
-    let flash = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
-    println!("flash {flash} bytes");
-    let fast = fs::read(image("foldpath-mps2-small")).unwrap();
-    let fast = size(&fast, &[".vector_table", ".text", ".rodata", ".data"]);
-    assert!((20_000..=32 * 1024).contains(&flash));
-    assert!((fast * 4 / 5..=fast * 9 / 10).contains(&flash), "{fast}");
-    let [small, fast] = [output_of(&folder.join(PROBE)), board_output()];
-    let parts = [&small, &fast].map(|output| output.split_once("cost ").unwrap());
-    let [(results, costs), (expected, before)] = parts;
-    assert_eq!(results, expected);
-    for (cost, before) in costs.lines().zip(before.lines()) {
-        println!("{cost}, instead of {before}");
-    }
-    let setpoint = |costs: &str| -> u64 {
-        let prefix = "cost setpoint-from-its-frame-to-the-answer ";
-        let cost = costs.lines().find_map(|line| line.strip_prefix(prefix));
-        cost.unwrap().parse().unwrap()
-    };
-    assert!(setpoint(costs) <= setpoint(before) * 3 / 2);
 }
 
 #[test]

@@ -32,13 +32,6 @@ pub(crate) fn image(name: &str) -> PathBuf {
     build("fw", &[]).join(name)
 }
 
-/// Builds the images for size, and returns their folder.
-pub(crate) fn for_size() -> PathBuf {
-    let settings = [("CARGO_PROFILE_FIRMWARE_OPT_LEVEL", "s")];
-    let small = [&SIMULATED[..], &["--features", "small"]].concat();
-    build_package(&small, "fw-size", &settings)
-}
-
 /// Builds the image of a port, which has the name of its package, and returns its path.
 pub(crate) fn port(package: &str) -> PathBuf {
     let manifest = "../firmware-sim/boards/Cargo.toml";
