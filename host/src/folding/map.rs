@@ -196,15 +196,39 @@ impl FoldingMap {
     /// Returns the rigidity of the sheet under this map, made with the same tree. Cost: O(edges + corners).
     #[must_use]
     pub fn rigidity(&self, pattern: &CreasePattern, tree: &SpanningTree) -> Rigidity {
-        let twists = tree.loops().iter().map(|step| {
-            let r_wb = self.poses[step.face.index()].r_wf;
-            (self.beyond(step).inverse() * r_wb).v.norm_squared()
-        });
+        let twists = tree.loops().iter().map(|step| self.twist(step));
         Rigidity {
             deformation: strain(self.struts.iter().copied(), &self.vertices),
             gap: self.gap / pattern.median_edge(),
-            twist: 2.0 * largest(twists).sqrt(),
+            twist: largest(twists),
         }
+    }
+
+    /// Returns the largest distance by which the fold angles of creases off the tree, of which the positions of faces tell
+    /// nothing, part two faces, in median edges: the twist times how far the smaller face reaches from the crease.
+    ///
+    /// Cost: O(corners of the faces at these creases).
+    #[must_use]
+    pub fn parting(&self, pattern: &CreasePattern, tree: &SpanningTree) -> f64 {
+        let reach = |step: &Step, face: FaceId| {
+            let corners = pattern.faces()[face.index()].iter();
+            largest(corners.map(|corner| {
+                let away = pattern.vertices()[corner.index()] - step.pivot;
+                step.axis.perp(&away).abs()
+            }))
+        };
+        let parted = tree
+            .loops()
+            .iter()
+            .map(|step| self.twist(step) * reach(step, step.face).min(reach(step, step.parent)));
+        largest(parted) / pattern.median_edge()
+    }
+
+    /// Returns twice the sine of half the angle by which the face of a step off the tree is turned from where the step's
+    /// fold angle has it.
+    fn twist(&self, step: &Step) -> f64 {
+        let r_wb = self.poses[step.face.index()].r_wf;
+        2.0 * (self.beyond(step).inverse() * r_wb).v.norm()
     }
 }
 

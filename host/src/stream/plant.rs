@@ -93,13 +93,16 @@ impl Plant {
             sheet
                 .map
                 .fold(&sheet.pattern, sheet.pattern.tree(), &self.hinges.angles());
-            sheet.worst = sheet
-                .worst
-                .worse(sheet.map.rigidity(&sheet.pattern, sheet.pattern.tree()));
+            let (pattern, tree) = (&sheet.pattern, sheet.pattern.tree());
+            let mut now = sheet.map.rigidity(pattern, tree);
+            // A hinge off the tree moves no face, and opens the sheet all the same.
+            now.gap = now.gap.max(sheet.map.parting(pattern, tree));
+            sheet.worst = sheet.worst.worse(now);
         }
     }
 
-    /// Returns the largest errors of rigidity that the sheet had, if there is a sheet.
+    /// Returns the largest errors of rigidity that the sheet had, if there is a sheet. The gap is also that of hinges off the
+    /// tree along which it is folded.
     #[must_use]
     pub fn rigidity(&self) -> Option<Rigidity> {
         self.sheet.as_ref().map(|sheet| sheet.worst)

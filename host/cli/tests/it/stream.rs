@@ -475,6 +475,15 @@ fn a_script_makes_a_hinge_stall_a_sensor_jump_and_the_supply_dip() {
     assert!(reason.contains("hinge 3 "), "{reason}");
     // The other hinges moved on until the controller saw the stall.
     assert!(json["max_gap"].as_f64().unwrap() > 1e-3);
+    // Whichever hinge is stuck, the sheet opens: also at one off the tree along which it is folded.
+    let gap = |hinge: usize| {
+        folder.write("stuck.txt", &format!("0.8 stick {hinge}"));
+        let json = driven(&folder, "--script stuck.txt");
+        assert_eq!(json["outcome"], "faulted");
+        json["max_gap"].as_f64().unwrap()
+    };
+    let gaps: Vec<f64> = (0..12).map(gap).collect();
+    assert!(gaps.iter().all(|gap| *gap > 0.05), "{gaps:?}");
 
     folder.write("jump.txt", "0.8 jump 5 0.5");
     let json = driven(&folder, "--script jump.txt");
