@@ -163,6 +163,22 @@ impl MapFile {
         self.edit(hinge, |channel| channel.negative = negative)
     }
 
+    /// Returns what is wrong with an angle (radians, as the controller now has it) that is beyond the limits of a hinge.
+    pub(super) fn beyond(&self, hinge: u16, angle: f32) -> Option<String> {
+        let (channel, running) = (self.get(hinge)?, self.running.get(&hinge)?);
+        let angle = channel.angle(running.raw(angle));
+        let row = Row::new(hinge, channel);
+        let degrees = f64::from(angle).to_degrees();
+        // As far as an angle is told.
+        let within = degrees >= row.lower - 1e-3 && degrees <= row.upper + 1e-3;
+        (!within).then(|| {
+            let Row { lower, upper, .. } = row;
+            format!(
+                "hinge {hinge}: expected an angle within its limits in the map, {lower:.3} to {upper:.3} degrees, found {degrees:.3}"
+            )
+        })
+    }
+
     pub(super) fn limits(&mut self, hinge: u16, [lower, upper]: [f32; 2]) -> Result<Row, String> {
         self.edit(hinge, |channel| {
             (channel.lower, channel.upper) = (lower, upper)

@@ -17,7 +17,7 @@ use crate::args::Drive;
 use crate::reach::{self, Host};
 use crate::{Answer, CliError, print, print_json, say};
 pub(crate) use command::HELP;
-use command::{Command, radians};
+use command::{Command, Turn, radians};
 use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen};
 use map::{MapFile, Row, lacks};
 
@@ -254,6 +254,9 @@ impl<'a> Desk<'a> {
                 pressed.store(0, Ordering::Relaxed);
                 let stops = || pressed.load(Ordering::Relaxed) > 0;
                 let from = from.map(radians);
+                if let Some(why) = self.beyond(hinge, turn, from)? {
+                    return Ok(Line::denied(why));
+                }
                 match self.bench.jog(hinge, from, turn.way(), &stops)? {
                     Jogged::There(seen) => Line::seen("done", seen, ""),
                     Jogged::Held(seen) => Line::seen("held", seen, ""),
@@ -302,6 +305,29 @@ impl<'a> Desk<'a> {
             Command::Help => Line::done(HELP),
             Command::Quit => Line::done(""),
         })
+    }
+}
+
+impl Desk<'_> {
+    /// Returns what is wrong with a motion that would end beyond the limits that the map has for a hinge. The board has those
+    /// of the map with which it was built.
+    fn beyond(
+        &mut self,
+        hinge: u16,
+        turn: Turn,
+        from: Option<f32>,
+    ) -> Result<Option<String>, BenchError> {
+        if self.map.get(hinge).is_none() {
+            return Ok(None);
+        }
+        let to = match turn {
+            Turn::To(degrees) => Some(radians(degrees)),
+            Turn::By(degrees) => {
+                let stands = self.bench.place(hinge)?.angle().or(from);
+                stands.map(|angle| angle + radians(degrees))
+            }
+        };
+        Ok(to.and_then(|to| self.map.beyond(hinge, to)))
     }
 }
 

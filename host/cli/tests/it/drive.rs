@@ -27,6 +27,38 @@ fn near(value: &Value, degrees: f64) -> bool {
         .is_some_and(|value| (value - degrees).abs() < 1e-4)
 }
 
+/// Limits that were typed count at once, in the angles that the map has now, although the board has others.
+#[test]
+fn limits_that_were_typed_count_at_once() {
+    let folder = folder();
+    // From 10 degrees of the controller on, the hinge is at 0 of the map. With the other sign, -15 are 25 of the map.
+    let begin = "drive --to sim --map map.csv --json channel 0 7 jog 0 to 10 zero 0 limits 0 -30 20 jog 0 to 25";
+    for (ending, found) in [
+        ("jog 0 to 31", Some("21.000")),
+        ("jog 0 by 6", Some("21.000")),
+        ("jog 0 by -56", Some("-41.000")),
+        ("sign 0 - jog 0 to -15", Some("25.000")),
+        ("jog 0 by 4.9 jog 0 to -19", None),
+        ("sign 0 - jog 0 to -9.9 jog 0 to 39", None),
+    ] {
+        let answer = folder.run(&format!("{begin} {ending}"));
+        let told = lines(&answer.stdout);
+        let last = told.last().unwrap();
+        std::fs::remove_file(folder.path("map.csv")).unwrap_or_default();
+        let Some(found) = found else {
+            assert_eq!(last["outcome"], "done", "{ending}: {last}");
+            continue;
+        };
+        let why = format!(
+            "hinge 0: expected an angle within its limits in the map, -30.000 to 20.000 degrees, found {found}"
+        );
+        assert_eq!(
+            (&last["outcome"], &last["message"]),
+            (&"denied".into(), &why.into())
+        );
+    }
+}
+
 #[test]
 fn a_map_is_made_hinge_by_hinge() {
     let folder = folder();
