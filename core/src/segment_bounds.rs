@@ -15,7 +15,7 @@
 //!
 //! # Fold angles
 //!
-//! Where the fold angles themselves are cubics, the closure residual r of a vertex is no polynomial. Over a part of the
+//! If the fold angles themselves are cubics, the closure residual r of a vertex is not a polynomial. Over a part of the
 //! segment, with parameter u from 0 to 1, it is at most max |r''''| / 384 away from the cubic that has its values and
 //! derivatives at both ends, and that cubic stays within the hull of its Bernstein coefficients. The residual is twice the
 //! vector part of a product of unit quaternions exp(ρ/2 · axis). With A, B and C the sums over the spokes of the largest

@@ -101,7 +101,8 @@ impl<'a, T: Scalar> StarsView<'a, T> {
         })
     }
 
-    /// Creates a view of stars that [`new`](Self::new) has accepted before. Of others, closure would be meaningless.
+    /// Creates a view of stars that [`new`](Self::new) has accepted before. It is not checked again: the closure of stars that
+    /// are not sound means nothing.
     #[must_use]
     pub fn accepted(spokes: &'a [Spoke<T>], ends: &'a [u32], unknowns: usize) -> Self {
         Self {

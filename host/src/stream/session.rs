@@ -162,7 +162,7 @@ pub fn run(
         telemetry: None,
         told: None,
         lag: None,
-        unknown: None,
+        denied: None,
         bytes: 0,
         closure: 0.0,
         begun: None,
@@ -232,8 +232,8 @@ struct Session<'a> {
     told: Option<Telemetry>,
     /// Largest lag so far.
     lag: Option<Lag>,
-    /// Time since which the controller has not known where the sheet stands, although the path should start.
-    unknown: Option<u64>,
+    /// Time since which the controller denies to start the path.
+    denied: Option<u64>,
     bytes: u64,
     closure: f64,
     /// Place that was told first since the sheet moves.
@@ -470,12 +470,11 @@ impl Session<'_> {
             Denial::Jump(_) | Denial::Place | Denial::Empty => {
                 Some((Outcome::Held, Ending::Denied(why)))
             }
-            // The controller may need a while to measure all hinges.
-            Denial::Unknown(_) | Denial::Spread(_) => {
-                let since = *self.unknown.get_or_insert(now);
+            // The controller may need a while to measure all hinges, or for whatever else it denies a start.
+            _ => {
+                let since = *self.denied.get_or_insert(now);
                 (now > since + PATIENCE_US).then_some((Outcome::Held, Ending::Denied(why)))
             }
-            _ => None,
         }
     }
 
