@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use foldpath_core::acceptance::Refusal;
+use foldpath_core::acceptance::{Refusal, most_commanded};
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::Deframer;
 use foldpath_core::wire::frame as wire;
@@ -417,6 +417,12 @@ impl<'a> Subject<'a> {
         }
         if follower.is_approaching() {
             return;
+        }
+        // Whatever was altered and accepted, angles as well as rates, closes in every tick.
+        if self.miura {
+            let residual = self.path.residual(angles);
+            let most = f64::from(most_commanded(CLOSURE, 4));
+            assert!(residual <= most, "{residual:e} at {place:?}");
         }
         let at_knot = self.miura && place.into.abs().to_bits() == 0;
         if at_knot || self.pristine && self.now.is_multiple_of(4) {
