@@ -202,11 +202,23 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
         let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
         Some(Curve::between(sheet.interpolation, span, *from, *to))
     };
+    go_on(sheet.stars, &curve, sheet.closure, progress, parts)
+}
+
+/// Goes on to check that the stars stay closed on a segment, by at most `parts` parts of it. Returns `true` if nothing is
+/// left to check.
+fn go_on<T: Scalar>(
+    stars: StarsView<'_, T>,
+    curve: &impl Fn(usize) -> Option<Curve<T>>,
+    closure: T,
+    progress: &mut Progress,
+    parts: u32,
+) -> Result<bool, Refusal> {
     for _ in 0..parts {
-        let Some(star) = sheet.stars.get(progress.star.into()) else {
+        let Some(star) = stars.get(progress.star.into()) else {
             return Ok(true);
         };
-        match segment_bounds::stays_closed(star, &curve, sheet.closure, progress.part) {
+        match segment_bounds::stays_closed(star, curve, closure, progress.part) {
             Judged::Everywhere => {
                 progress.star = progress.star.saturating_add(1);
                 progress.part = Part::default();
@@ -215,7 +227,7 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
             Judged::Next(part) => progress.part = part,
         }
     }
-    Ok(sheet.stars.get(progress.star.into()).is_none())
+    Ok(stars.get(progress.star.into()).is_none())
 }
 
 /// Returns the largest closure residual of a vertex with this number of spokes at commanded angles of a path, whose
@@ -232,22 +244,15 @@ pub fn most_commanded<T: Scalar>(closure: T, spokes: usize) -> T {
 /// returns the curve of a group.
 ///
 /// # Errors
-/// The number of the first vertex whose residual is not known to be at most `closure`, a sixteenth and rounding.
+/// [`Refusal::OpenBetween`] for the first vertex whose residual is not known to be at most `closure`, a sixteenth and
+/// rounding.
 pub fn stay_closed<T: Scalar>(
     stars: StarsView<'_, T>,
     curve: impl Fn(usize) -> Option<Curve<T>>,
     closure: T,
-) -> Result<(), u16> {
-    for (number, star) in groups(stars.iter()) {
-        let mut part = Part::default();
-        loop {
-            match segment_bounds::stays_closed(star, &curve, closure, part) {
-                Judged::Everywhere => break,
-                Judged::Not => return Err(number),
-                Judged::Next(next) => part = next,
-            }
-        }
-    }
+) -> Result<(), Refusal> {
+    let mut progress = Progress::default();
+    while !go_on(stars, &curve, closure, &mut progress, u32::MAX)? {}
     Ok(())
 }
 

@@ -23,9 +23,18 @@ use crate::{HalfAngle, Rotation, Scalar, StarView};
 #[inline]
 #[must_use]
 pub fn misclosure<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>]) -> Rotation<T> {
+    product(star, |group| half_angles.get(group).copied())
+}
+
+/// Returns the product of the folds of a star, given the half angle of each group; a group without one is flat.
+#[inline]
+fn product<T: Scalar>(
+    star: StarView<'_, T>,
+    half: impl Fn(usize) -> Option<HalfAngle<T>>,
+) -> Rotation<T> {
     let mut product = Rotation::identity();
     for spoke in star.spokes {
-        if let Some(half) = half_angles.get(spoke.group.index()) {
+        if let Some(half) = half(spoke.group.index()) {
             product = product.across_crease(half.signed(spoke.negative), spoke.direction);
         }
     }
@@ -51,12 +60,7 @@ pub fn closes<T: Scalar>(star: StarView<'_, T>, half_angles: &[HalfAngle<T>], bo
 // Not inlined, so that sine and cosine are not copied into each tick.
 #[inline(never)]
 pub(crate) fn closes_at<T: Scalar>(star: StarView<'_, T>, angles: &[T], bound: T) -> bool {
-    let mut product = Rotation::identity();
-    for spoke in star.spokes {
-        if let Some(angle) = angles.get(spoke.group.index()) {
-            product = product.across_crease(half_angle(*angle), spoke.axis());
-        }
-    }
+    let product = product(star, |group| angles.get(group).copied().map(half_angle));
     // The sign of the quaternion does not change the length of its vector.
     is_within(product.v * T::TWO, bound)
 }

@@ -181,8 +181,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
             push(&mut self.ends, end.into_iter())?;
         }
         let complete = number(self.spokes.len()) == head.spokes;
-        let stars = || StarsView::new(&self.spokes, &self.ends, head.groups.into());
-        if complete && stars().is_none() {
+        if complete && StarsView::new(&self.spokes, &self.ends, head.groups.into()).is_none() {
             self.spokes.truncate(before.0);
             self.ends.truncate(before.1);
             return Err(ItemRefusal::Stars);

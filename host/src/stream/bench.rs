@@ -214,6 +214,23 @@ impl<L: Link> Bench<L> {
         self.look()
     }
 
+    /// Returns the angle (radians) at which [`jog`](Self::jog) would end.
+    ///
+    /// # Errors
+    /// If nobody knows where the hinge stands, if it cannot be watched, or if there is no session any more.
+    pub fn end_of(&mut self, hinge: u16, from: Option<f32>, way: Way) -> Result<f32, BenchError> {
+        let seen = self.watch(hinge)?;
+        Ok(match way {
+            Way::To(angle) => angle,
+            Way::By(angle) => {
+                let measured = seen.measured.filter(|angle| angle.is_finite());
+                let begin = seen.commanded.or(measured).or(from);
+                let unknown = Denial::Unknown(hinge);
+                angle + begin.ok_or_else(|| self.denied(unknown))?
+            }
+        })
+    }
+
     /// Moves a hinge slowly, until it is there, or until `stops` returns `true`. `from` is where an operator says that it
     /// stands, for a hinge that is not measured.
     ///
@@ -226,16 +243,8 @@ impl<L: Link> Bench<L> {
         way: Way,
         stops: &dyn Fn() -> bool,
     ) -> Result<Jogged, BenchError> {
-        let seen = self.watch(hinge)?;
-        let to = match way {
-            Way::To(angle) => angle,
-            Way::By(angle) => {
-                let measured = seen.measured.filter(|angle| angle.is_finite());
-                let begin = seen.commanded.or(measured).or(from);
-                let unknown = Denial::Unknown(hinge);
-                angle + begin.ok_or_else(|| self.denied(unknown))?
-            }
-        };
+        let to = self.end_of(hinge, from, way)?;
+        let (seen, _) = self.seen.unwrap_or_default();
         self.ask_jog(hinge, from, Some(to))?;
         let bits = |seen: Seen| seen.commanded.map(f32::to_bits);
         let (mut last, mut since) = (bits(seen), self.link.now());

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use foldpath_core::acceptance::{most_commanded, stay_closed};
+use foldpath_core::acceptance::{Refusal, most_commanded, stay_closed};
 use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -86,8 +86,10 @@ impl StreamPath {
     fn first_open(&self) -> Option<(usize, u16)> {
         let (view, stars) = (self.view()?, self.stars()?);
         (1..view.len()).find_map(|k| {
-            let open = stay_closed(stars, |group| view.curve(k - 1, group), self.closure);
-            Some((k, open.err()?))
+            match stay_closed(stars, |group| view.curve(k - 1, group), self.closure) {
+                Err(Refusal::OpenBetween(star)) => Some((k, star)),
+                _ => None,
+            }
         })
     }
 

@@ -131,7 +131,7 @@ pub struct Summary {
     pub retransmitted: u64,
     /// Number of items that were refused.
     pub refused: u64,
-    /// Largest closure residual of an essential vertex at the angles in telemetry.
+    /// Largest closure residual of an essential vertex at the angles in telemetry, once the sheet moves along the path.
     pub max_closure: f64,
     /// Largest lag of a hinge; `None` if none was measured.
     pub lag: Option<Lag>,

@@ -17,8 +17,8 @@ use crate::args::Drive;
 use crate::reach::{self, Host};
 use crate::{Answer, CliError, print, print_json, say};
 pub(crate) use command::HELP;
-use command::{Command, Turn, radians};
-use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen};
+use command::{Command, radians};
+use foldpath::stream::{Bench, BenchError, Jogged, Link, Seen, Way};
 use map::{MapFile, Row, lacks};
 
 /// Time for which a line of commands is waited for before signs of life are sent.
@@ -254,10 +254,12 @@ impl<'a> Desk<'a> {
                 pressed.store(0, Ordering::Relaxed);
                 let stops = || pressed.load(Ordering::Relaxed) > 0;
                 let from = from.map(radians);
-                if let Some(why) = self.beyond(hinge, turn, from)? {
+                // The board has the limits of the map with which it was built.
+                let to = self.bench.end_of(hinge, from, turn.way())?;
+                if let Some(why) = self.map.beyond(hinge, to) {
                     return Ok(Line::denied(why));
                 }
-                match self.bench.jog(hinge, from, turn.way(), &stops)? {
+                match self.bench.jog(hinge, from, Way::To(to), &stops)? {
                     Jogged::There(seen) => Line::seen("done", seen, ""),
                     Jogged::Held(seen) => Line::seen("held", seen, ""),
                     Jogged::Ended(seen) => {
@@ -305,29 +307,6 @@ impl<'a> Desk<'a> {
             Command::Help => Line::done(HELP),
             Command::Quit => Line::done(""),
         })
-    }
-}
-
-impl Desk<'_> {
-    /// Returns what is wrong with a motion that would end beyond the limits that the map has for a hinge. The board has those
-    /// of the map with which it was built.
-    fn beyond(
-        &mut self,
-        hinge: u16,
-        turn: Turn,
-        from: Option<f32>,
-    ) -> Result<Option<String>, BenchError> {
-        if self.map.get(hinge).is_none() {
-            return Ok(None);
-        }
-        let to = match turn {
-            Turn::To(degrees) => Some(radians(degrees)),
-            Turn::By(degrees) => {
-                let stands = self.bench.place(hinge)?.angle().or(from);
-                stands.map(|angle| angle + radians(degrees))
-            }
-        };
-        Ok(to.and_then(|to| self.map.beyond(hinge, to)))
     }
 }
 
