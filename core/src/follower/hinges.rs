@@ -1,6 +1,6 @@
 //! The hinges of a follower: their commanded and their measured angles.
 
-use crate::follower::{Follower, State};
+use crate::follower::{Follower, Stance, State};
 use crate::{Membership, Scalar};
 
 /// Command of a hinge at a moment.
@@ -11,6 +11,22 @@ pub struct Target<T> {
     pub angle: T,
     /// Rate at which this angle changes, radians per second; 0 at rest.
     pub rate: T,
+}
+
+/// A hinge that is driven.
+pub trait Hinge {
+    /// Returns its group and sign.
+    fn membership(&self) -> Membership;
+
+    /// Notes that it was measured.
+    fn heard(&self) {}
+}
+
+impl Hinge for Membership {
+    #[inline]
+    fn membership(&self) -> Membership {
+        *self
+    }
 }
 
 /// Measured angle of a hinge.
@@ -59,43 +75,79 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     pub fn drive_from(
         &mut self,
         first: u32,
-        hinges: impl Iterator<Item = Membership>,
+        hinges: impl Iterator<Item = impl Hinge>,
         mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
-        let surveys = self.state == State::Ready && !self.knows_position;
-        let groups = if self.knows_position { self.groups } else { 0 };
+        if !self.is_known() {
+            return self.drive_none(first, hinges, &mut drive);
+        }
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
-        let groups = groups.min(GROUPS);
+        let groups = self.groups.min(GROUPS);
         let angles = self.angles.get(..groups).unwrap_or(&[]);
         let rates = self.rates.get(..groups).unwrap_or(&[]);
         let (lag, mut unremarkable) = (self.options.lag, self.lag.unremarkable(self.options.lag));
         let mut hinge = first;
-        for membership in hinges {
+        for driven in hinges {
+            let membership = driven.membership();
             let group = membership.group.index();
             let target = angles.get(group).zip(rates.get(group));
             let target = target.map(|(angle, rate)| Target {
                 angle: membership.apply(*angle),
                 rate: membership.apply(*rate),
             });
-            match (drive(hinge, membership, target), target) {
-                (Some(Measurement { angle, age }), Some(target)) => {
-                    let distance = (target.before(age) - angle).abs();
-                    // False for a NaN.
-                    let near = distance <= unremarkable;
-                    if !near {
-                        self.lag.note(hinge, distance, lag);
-                        unremarkable = self.lag.unremarkable(lag);
-                    }
+            let measured = drive(hinge, membership, target);
+            if measured.is_some() {
+                driven.heard();
+            }
+            if let Some((Measurement { angle, age }, target)) = measured.zip(target) {
+                let distance = (target.before(age) - angle).abs();
+                // False for a NaN.
+                let near = distance <= unremarkable;
+                if !near {
+                    self.lag.note(hinge, distance, lag);
+                    unremarkable = self.lag.unremarkable(lag);
                 }
-                (Some(Measurement { angle, age }), None) if surveys => {
-                    let angle = membership.apply(angle);
-                    let at = self.now.saturating_sub(age.into());
-                    self.survey
-                        .measure(group, angle, [at, self.now], self.options.fresh);
-                }
-                _ => {}
             }
             hinge = hinge.wrapping_add(1);
+        }
+    }
+
+    /// Tells that the sensor of a hinge has fallen silent. Until the hinge is measured again, it counts as one whose sensor
+    /// tells no angle.
+    pub fn lose_sensor(&mut self, hinge: u32) {
+        if self.is_known() {
+            self.lag.note(hinge, T::MAX, self.options.lag);
+        }
+    }
+
+    /// Commands nothing. Compares what is measured with the angles that were kept, and surveys the groups of a path that is
+    /// ready. Not inlined, so that other ticks do not pay for it.
+    #[inline(never)]
+    fn drive_none(
+        &mut self,
+        first: u32,
+        hinges: impl Iterator<Item = impl Hinge>,
+        drive: &mut impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
+    ) {
+        let checks = matches!(self.stance, Stance::Kept | Stance::Agreed);
+        for (hinge, driven) in (first..).zip(hinges) {
+            let membership = driven.membership();
+            let Some(Measurement { angle, age }) = drive(hinge, membership, None) else {
+                continue;
+            };
+            driven.heard();
+            let (group, angle) = (membership.group.index(), membership.apply(angle));
+            if let Some(kept) = self.angles.get(group).filter(|_| checks) {
+                let distance = (*kept - angle).abs();
+                self.lag.note(hinge, distance, self.options.lag);
+                if distance <= self.options.lag {
+                    self.stance = Stance::Agreed;
+                }
+            }
+            if self.state == State::Ready {
+                let times = [self.now.saturating_sub(age.into()), self.now];
+                self.survey.measure(group, angle, times, self.options.fresh);
+            }
         }
     }
 }

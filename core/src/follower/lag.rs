@@ -5,6 +5,10 @@ use crate::Scalar;
 /// Number of lagging hinges that are remembered.
 const MAX_REMEMBERED: usize = 4;
 
+/// Time for which a hinge has to be measured elsewhere until that counts, microseconds: longer than an error of one
+/// measurement.
+const ELSEWHERE_US: u32 = 20_000;
+
 /// A hinge and its distance from its command when it was last measured, radians; 0 for no hinge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lag<T> {
@@ -23,6 +27,8 @@ pub(super) struct LagWatch<T> {
     any: bool,
     /// Time for which a hinge was stuck, less the time for which none was, microseconds.
     stuck: u64,
+    /// Time for which a hinge has been elsewhere, microseconds.
+    elsewhere: u32,
 }
 
 impl<T: Scalar> LagWatch<T> {
@@ -75,6 +81,9 @@ impl<T: Scalar> LagWatch<T> {
             }
         }
         self.any = self.find_farthest().distance > T::zero();
+        if !self.any {
+            self.elsewhere = 0;
+        }
     }
 
     /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less
@@ -87,6 +96,17 @@ impl<T: Scalar> LagWatch<T> {
             self.stuck.saturating_sub(passed)
         };
         self.stuck
+    }
+
+    /// Lets `passed` microseconds pass, in which a hinge was `elsewhere` or none; returns `true` once one has been for long.
+    #[inline]
+    pub(super) fn stays(&mut self, elsewhere: bool, passed: u32) -> bool {
+        self.elsewhere = if elsewhere {
+            self.elsewhere.saturating_add(passed)
+        } else {
+            0
+        };
+        self.elsewhere >= ELSEWHERE_US
     }
 
     /// Forgets for how long a hinge was stuck.

@@ -18,7 +18,11 @@
 //! other reason holds the motion until [`resume`](Follower::resume), whatever else happens in between. The stop line and
 //! a fault are two latches: neither hides nor releases the other.
 //!
-//! No motion starts from an unknown place. A new follower does not know where the groups stand. It is told
+//! No motion starts from an unknown place, and nothing is commanded that is not there. A hinge that is measured far from its
+//! command while nothing moves was moved by a hand, or lost its supply: from then on it is not known where the groups stand,
+//! and no hinge is commanded. On a path this is a fault.
+//!
+//! A new follower does not know where the groups stand. It is told
 //! ([`stand`](Follower::stand), [`confirm`](Follower::confirm)), or it takes the [measured](Follower::drive_from) angles of
 //! the hinges while a path is ready. [`start`](Follower::start) then approaches the beginning of the path slowly, and
 //! comes to rest there before the path begins. Until then nothing is commanded.
@@ -38,11 +42,25 @@ use crate::acceptance::{Progress, Setpoint, SheetView};
 use crate::path_clock::PathClock;
 
 use approach::Approach;
-pub use hinges::{Measurement, Target};
+pub use hinges::{Hinge, Measurement, Target};
 use lag::{Lag, LagWatch};
 use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
+
+/// What is known of where the groups stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stance {
+    Unknown,
+    /// Somebody has said that they stand where the path begins.
+    Told,
+    /// They stood at `angles` before a reset, and no sensor has said so yet.
+    Kept,
+    /// The same, and a sensor agrees. The others have not yet had their time.
+    Agreed,
+    /// They stand at `angles`.
+    Known,
+}
 
 /// A follower of at most `GROUPS` groups, with a queue of at most `KNOTS` setpoints.
 // Fields are in this order, with large ones last, because a Cortex-M4 reaches only the first 4 kB of a struct by one
@@ -72,10 +90,9 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     ended: bool,
 
     groups: usize,
-    /// `true` if it is known that the groups stand at `angles`.
-    knows_position: bool,
-    /// `true` if somebody has said that the groups stand where the path begins.
-    is_confirmed: bool,
+    stance: Stance,
+    /// Time when the path was loaded, microseconds.
+    loaded_at: u64,
     /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
     is_on_path: bool,
     /// Position on the path before.
@@ -117,8 +134,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             next: 0,
             ended: false,
             groups: 0,
-            knows_position: false,
-            is_confirmed: false,
+            stance: Stance::Unknown,
+            loaded_at: 0,
             is_on_path: false,
             last_position: FollowerPosition::default(),
             is_off_path: false,
@@ -136,6 +153,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
 
     /// Returns the reason that holds or slows the motion. A fault comes before the stop line, and the stop line before
     /// all others; see also [`fault`](Self::fault) and [`is_stopped`](Self::is_stopped).
+    #[inline(never)]
     #[must_use]
     pub fn reason(&self) -> Reason {
         let Lag { hinge, distance } = self.lag.farthest();
@@ -184,7 +202,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Returns `true` if it is known where the groups stand.
     #[must_use]
     pub fn is_known(&self) -> bool {
-        self.knows_position
+        self.stance == Stance::Known
     }
 
     /// Returns the rate of the path clock, seconds of the path in a second, from 0 to 1.
@@ -245,7 +263,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     fn known<'a>(&self, values: &'a [T]) -> &'a [T] {
-        let groups = if self.knows_position { self.groups } else { 0 };
+        let groups = if self.is_known() { self.groups } else { 0 };
         values.get(..groups).unwrap_or(&[])
     }
 
@@ -278,8 +296,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if groups == 0 || groups > GROUPS {
             return Err(Denial::Groups);
         }
-        self.knows_position &= self.groups == groups;
-        (self.groups, self.survey) = (groups, Survey::new());
+        if self.groups != groups {
+            self.stance = Stance::Unknown;
+        }
+        (self.groups, self.loaded_at) = (groups, self.now);
+        self.survey.clear();
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
         self.state = State::Ready;
@@ -299,7 +320,10 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::Moving);
         }
         (self.last_position, self.is_off_path) = (self.position(), self.is_off_path());
-        (self.is_on_path, self.is_confirmed) = (false, false);
+        self.is_on_path = false;
+        if self.stance == Stance::Told {
+            self.stance = Stance::Unknown;
+        }
         self.approach = Approach::none();
         self.queue.clear();
         self.pending = None;
@@ -369,6 +393,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     /// Stops at once because of a failure, in any state. Nothing moves until the failure is [cleared](Self::clear).
+    #[inline(never)]
     pub fn fail(&mut self, fault: Fault) {
         self.clock.halt();
         self.still();

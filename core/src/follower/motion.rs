@@ -1,7 +1,7 @@
 //! A tick of a follower: how far does it move, and what slows, holds or ends the motion?
 
 use crate::follower::lag::Lag;
-use crate::follower::{Fault, Follower, Options, Reason, State};
+use crate::follower::{Fault, Follower, Options, Reason, Stance, State};
 use crate::{Scalar, StarsView};
 
 /// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
@@ -19,16 +19,23 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let passed = now.saturating_sub(self.now);
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
         self.now = self.now.max(now);
+        let passed = passed.min(self.options.longest_tick);
+        if self.stance == Stance::Agreed {
+            self.keep();
+        }
+        let lag = self.lag.farthest();
+        if lag.distance > T::zero() {
+            self.doubt(lag, passed);
+        }
         if !self.is_under_way() {
             return;
         }
-        let passed = passed.min(self.options.longest_tick);
-        self.watch(passed);
+        self.watch(lag, passed);
         if !self.is_under_way() {
             return;
         }
         let dt = T::whole(passed) * T::lit(1e-6);
-        let goal = self.goal();
+        let goal = self.goal(lag.distance);
         let step = self.clock.tick(dt, goal, self.ahead());
         if step > T::zero() {
             self.move_by(stars, step, dt);
@@ -74,6 +81,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// Returns the seconds of path time for which the motion may go on: up to the beginning of the path, where the
     /// approach comes to rest, and from there up to the last setpoint and the bound from outside. The approach waits as
     /// well until the bound lets the path begin.
+    #[inline(never)]
     pub(super) fn ahead(&self) -> T {
         let leased = self.lease.map_or(T::MAX, |lease| lease - self.queue.time());
         if !self.is_approaching() {
@@ -85,8 +93,36 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
     }
 
+    /// Forgets where the groups stand if a hinge is measured far from its command, and neither a motion nor the brakes
+    /// explain it: otherwise its drive would pull it back as fast as it can, once it can. A sensor that tells no angle tells
+    /// nothing here.
+    #[inline(never)]
+    fn doubt(&mut self, Lag { hinge, distance }: Lag<T>, passed: u32) {
+        let Options {
+            lag,
+            most_lag,
+            clock,
+            ..
+        } = self.options;
+        let rests = self.is_held() && self.clock.rate() <= T::zero();
+        let most = if self.is_under_way() && !rests {
+            let fastest = self.queue.speeds().fold(T::zero(), T::max);
+            most_lag + fastest * T::HALF / clock.brake + lag
+        } else {
+            most_lag
+        };
+        let elsewhere = distance >= most && distance < T::MAX;
+        if !self.lag.stays(elsewhere, passed) {
+            return;
+        }
+        if self.is_under_way() {
+            self.fail(Fault::Stalled(hinge));
+        }
+        self.lose();
+    }
+
     /// Checks for a silent host and for a stalled hinge, after `passed` microseconds.
-    fn watch(&mut self, passed: u32) {
+    fn watch(&mut self, Lag { hinge, distance }: Lag<T>, passed: u32) {
         if self.is_silent() && !self.is_held() {
             self.hold(Reason::Silence);
         }
@@ -94,17 +130,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             self.lag.restart();
             return;
         }
-        let Lag { hinge, distance } = self.lag.farthest();
         let stuck = self.lag.pass(distance >= self.options.most_lag, passed);
         if stuck >= u64::from(self.options.stall) {
             self.fail(Fault::Stalled(hinge));
         }
     }
 
-    /// Returns the rate that the clock should have, from 0 to 1.
-    fn goal(&self) -> T {
+    /// Returns the rate that the clock should have while the farthest hinge is at this distance, from 0 to 1.
+    fn goal(&self, distance: T) -> T {
         let Options { lag, most_lag, .. } = self.options;
-        let distance = self.lag.farthest().distance;
         if self.is_held() || distance >= most_lag {
             T::zero()
         } else if distance > lag {

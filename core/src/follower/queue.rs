@@ -94,6 +94,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     }
 
     /// Returns the path time at the position, seconds; 0 if there is no setpoint.
+    #[inline(never)]
     pub(super) fn time(&self) -> T {
         self.setpoints
             .front()
@@ -212,6 +213,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     }
 
     /// Returns the rates at the position, clamped to each group's speed; `clock` is the seconds of the path in a second.
+    #[inline(never)]
     pub(super) fn rates(&self, clock: T) -> [T; GROUPS] {
         let mut rates = [T::zero(); GROUPS];
         if self.span > T::zero() {

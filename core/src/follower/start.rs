@@ -2,8 +2,7 @@
 
 use crate::Scalar;
 use crate::follower::lag::LagWatch;
-use crate::follower::survey::Survey;
-use crate::follower::{Denial, Follower, FollowerPosition, Options, State};
+use crate::follower::{Denial, Follower, FollowerPosition, Options, Stance, State};
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Tells the follower where the groups stand (radians), as commanded before a reset, and at which position on their
@@ -22,9 +21,32 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let mine = self.angles.get_mut(..angles.len());
         mine.ok_or(Denial::Groups)?.copy_from_slice(angles);
-        (self.groups, self.knows_position) = (angles.len(), !angles.is_empty());
+        self.groups = angles.len();
+        self.stance = if angles.is_empty() {
+            Stance::Unknown
+        } else {
+            Stance::Known
+        };
         (self.last_position, self.is_off_path) = (position, is_off_path);
         Ok(())
+    }
+
+    /// Commands nothing before a path has been loaded for half of [`Options::fresh`], within which each hinge with a sensor is
+    /// measured. If none is measured elsewhere, the angles that the follower was [told](Self::stand) count from then on.
+    pub fn withhold(&mut self) {
+        if self.is_known() {
+            self.stance = Stance::Kept;
+        }
+    }
+
+    /// Commands the angles that were kept over a reset, and with which a sensor agrees, once all sensors had their time.
+    #[inline(never)]
+    pub(super) fn keep(&mut self) {
+        let passed = self.now.saturating_sub(self.loaded_at);
+        let all_measured = self.state != State::Idle && passed >= u64::from(self.options.fresh / 2);
+        if all_measured && self.lag.farthest().distance <= T::zero() {
+            self.stance = Stance::Known;
+        }
     }
 
     /// Takes somebody's word that the groups stand where the path begins. It counts for this path. Nothing is commanded
@@ -34,12 +56,14 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// If not ready, if held or stopped, if it is known where the groups stand, if the path does not begin at its first
     /// setpoints, or if a hinge was measured farther from there than `reach`.
     pub fn confirm(&mut self) -> Result<(), Denial> {
-        if self.knows_position {
+        if self.is_known() {
             return Err(Denial::State);
         }
         let begin = self.ready()?;
-        self.survey.near(begin, self.groups, self.options.reach)?;
-        self.is_confirmed = true;
+        let Options { spread, reach, .. } = self.options;
+        self.survey
+            .angles(Some(&begin), self.groups, [spread, reach])?;
+        self.stance = Stance::Told;
         Ok(())
     }
 
@@ -48,13 +72,22 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     ///
     /// # Errors
     /// While moving, or in a fault.
+    #[inline(never)]
     pub fn forget(&mut self) -> Result<(), Denial> {
         if self.state != State::Ready {
             self.unload()?;
         }
-        (self.knows_position, self.is_confirmed, self.is_off_path) = (false, false, false);
-        (self.last_position, self.survey) = (FollowerPosition::default(), Survey::new());
+        self.lose();
+        self.last_position = FollowerPosition::default();
         Ok(())
+    }
+
+    /// Forgets where the groups stand, and keeps their position on the path.
+    #[inline(never)]
+    pub(super) fn lose(&mut self) {
+        (self.stance, self.is_off_path) = (Stance::Unknown, false);
+        self.survey.clear();
+        self.lag = LagWatch::default();
     }
 
     /// Returns the angles at which the path begins, if the motion may start as far as the state is concerned. Forgets
@@ -77,6 +110,28 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         Ok(self.queue.angles(self.angles))
     }
 
+    /// Moves measured angles by at most `error` to a place of the path, because angles with the errors of sensors do not close:
+    /// to its beginning if somebody has said that the groups stand there, or else to the place that fits best on its tangent.
+    fn fit(&self, stand: &mut [T; GROUPS], begin: &[T; GROUPS], error: T) {
+        let rates = self.queue.rates(T::one());
+        let places = || stand.iter().zip(begin).zip(&rates).take(self.groups);
+        let (along, norm) =
+            places().fold((T::zero(), T::zero()), |sums, ((stand, begin), rate)| {
+                (sums.0 + (*stand - *begin) * *rate, sums.1 + *rate * *rate)
+            });
+        let time = if self.stance == Stance::Told || norm <= T::zero() {
+            T::zero()
+        } else {
+            along / norm
+        };
+        for ((stand, begin), rate) in stand.iter_mut().zip(begin).zip(&rates) {
+            let fitted = *begin + *rate * time;
+            if (*stand - fitted).abs() <= error {
+                *stand = fitted;
+            }
+        }
+    }
+
     /// Starts the motion: a slow approach to the beginning of the path, where it comes to rest, and then the path.
     ///
     /// # Errors
@@ -92,14 +147,16 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             approach,
             ..
         } = self.options;
-        let (stand, reach) = if self.knows_position {
+        let (mut stand, reach) = if self.is_known() {
             (self.angles, if self.is_off_path { reach } else { jump })
-        } else if self.is_confirmed {
-            (self.survey.near(begin, self.groups, reach)?, reach)
         } else {
-            // The next start needs new measurements.
-            let survey = core::mem::replace(&mut self.survey, Survey::new());
-            (survey.angles(self.groups, spread)?, reach)
+            let claimed = (self.stance == Stance::Told).then_some(&begin);
+            let angles = self.survey.angles(claimed, self.groups, [spread, reach]);
+            // The next start from measurements needs new ones.
+            if claimed.is_none() {
+                self.survey.clear();
+            }
+            (angles?, reach)
         };
         // The comparison is false for a NaN, so that a group at no number is denied.
         let near = |(from, to): (&T, &T)| (*from - *to).abs() <= reach;
@@ -107,10 +164,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         if let Some((group, _)) = groups.find(|(_, ends)| !near(*ends)) {
             return Err(Denial::Jump(group));
         }
+        if !self.is_known() {
+            self.fit(&mut stand, &begin, spread * T::HALF);
+        }
         let speeds = self.queue.speeds().map(|speed| speed.min(approach));
         self.approach.begin(&stand, &begin, self.groups, speeds);
-        (self.angles, self.knows_position) = (stand, true);
-        (self.is_on_path, self.is_confirmed, self.is_off_path) = (true, false, false);
+        (self.angles, self.stance) = (stand, Stance::Known);
+        (self.is_on_path, self.is_off_path) = (true, false);
         self.still();
         self.heard = self.now;
         self.lag = LagWatch::default();

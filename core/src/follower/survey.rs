@@ -29,6 +29,12 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         }
     }
 
+    /// Forgets all measurements. Not inlined, so that an image has it once.
+    #[inline(never)]
+    pub(super) fn clear(&mut self) {
+        *self = Self::new();
+    }
+
     /// Takes the angle of a group that was measured at `at`, radians, and has come `now`. An angle that is no number makes
     /// the range as wide as can be. One that is too old is no measurement. For `fresh`, see [`age`](Self::age).
     #[inline(never)]
@@ -76,49 +82,39 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
         pairs.map(|([low, high], [lower, higher])| [low.min(*lower), high.max(*higher)])
     }
 
-    /// Returns the angles of the first `groups` groups, each the middle of its range.
+    /// Returns the angles of the first `groups` groups, each the middle of its range. Somebody may have said that they are
+    /// `claimed`, which are then the angles of groups that were not measured.
     ///
     /// # Errors
-    /// If a group was not measured, or if its range is wider than `spread`.
-    pub(super) fn angles(&self, groups: usize, spread: T) -> Result<[T; GROUPS], Denial> {
-        let mut angles = [T::zero(); GROUPS];
+    /// If the range of a group is wider than `spread`, or if a group was not measured. Of groups with claimed angles: if a
+    /// group was measured farther than `reach` from its own.
+    #[inline(never)]
+    pub(super) fn angles(
+        &self,
+        claimed: Option<&[T; GROUPS]>,
+        groups: usize,
+        [spread, reach]: [T; 2],
+    ) -> Result<[T; GROUPS], Denial> {
+        let mut angles = claimed.copied().unwrap_or([T::zero(); GROUPS]);
         let places = angles.iter_mut().zip(self.both()).take(groups);
         for (group, (angle, [low, high])) in (0..=u16::MAX).zip(places) {
             if low > high {
-                return Err(Denial::Unknown(group));
+                if claimed.is_none() {
+                    return Err(Denial::Unknown(group));
+                }
+                continue;
             }
-            if high * T::HALF - low * T::HALF > spread * T::HALF {
+            // Claimed angles that are no numbers are far from all others.
+            if claimed.is_some() {
+                let near = high - *angle <= reach && *angle - low <= reach;
+                if !near {
+                    return Err(Denial::Jump(group));
+                }
+            } else if high * T::HALF - low * T::HALF > spread * T::HALF {
                 return Err(Denial::Spread(group));
             }
             *angle = low + (high - low) * T::HALF;
         }
         Ok(angles)
-    }
-
-    /// Returns the angles of the first `groups` groups, of which somebody has said that they are `claimed`: the middle of
-    /// the range of those that were measured, and the claimed angles of all others.
-    ///
-    /// # Errors
-    /// If a group was measured farther than `reach` from its claimed angle.
-    #[inline(never)]
-    pub(super) fn near(
-        &self,
-        mut claimed: [T; GROUPS],
-        groups: usize,
-        reach: T,
-    ) -> Result<[T; GROUPS], Denial> {
-        let places = claimed.iter_mut().zip(self.both()).take(groups);
-        for (group, (angle, [low, high])) in (0..=u16::MAX).zip(places) {
-            if low > high {
-                continue;
-            }
-            // A claimed angle that is no number is far from every other.
-            let near = high - *angle <= reach && *angle - low <= reach;
-            if !near {
-                return Err(Denial::Jump(group));
-            }
-            *angle = low + (high - low) * T::HALF;
-        }
-        Ok(claimed)
     }
 }

@@ -298,6 +298,7 @@ impl<P: Protection> Receiver<P> {
     }
 
     /// Notes that the item was taken.
+    #[inline(never)]
     pub fn took(&mut self) {
         self.course.next = self.course.next.wrapping_add(1);
         (self.course.gap, self.course.refused) = (Gap::None, None);

@@ -158,7 +158,9 @@ impl<T: Scalar> Run<T> {
         }
         self.follower.tick(self.sheet.stars.view(), self.now);
         let angles = self.follower.angles();
-        assert!(self.sheet.residual(angles) <= CLOSURE, "{angles:?}");
+        if self.follower.is_known() {
+            assert!(self.sheet.residual(angles) <= CLOSURE, "{angles:?}");
+        }
         for (rate, limits) in self.follower.rates().iter().zip(&self.sheet.limits) {
             assert!(rate.abs() <= limits.speed);
         }
@@ -492,9 +494,9 @@ fn a_slow_hinge_slows_all_and_a_stalled_one_is_named() {
     let held = 0.8 + options.most_lag;
     let braked = f32::lit(LIMITS.speed) / (2.0 * options.clock.brake);
     assert!((held..held + braked).contains(&command), "{command}");
-    let stands = run.bits();
+    // The hinge is not where it is commanded to be. It is no longer commanded, nor is any other.
     run.ticks(100);
-    assert_eq!(run.bits(), stands);
+    assert!(!run.follower.is_known() && run.follower.angles().is_empty());
     let refused = run.follower.accept(&run.sheet.view(), setpoint(60));
     assert_eq!(refused, Err(Refusal::State));
     assert_eq!(
@@ -514,7 +516,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
     let mut run = Run::<f32>::started();
     run.ticks(700);
     let command = run.follower.hinge(member).unwrap();
-    run.follower.measure(2, member, command + 0.5);
+    run.follower.measure(2, member, command + 0.2);
     run.ticks(400);
     assert_eq!(
         (run.follower.state(), run.follower.reason()),
@@ -531,7 +533,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
     // The hinge lags several times, each time for less than the time after which a lag is a fault, and follows for as
     // long.
     for _ in 0..3 {
-        run.follower.measure(2, member, command - 0.5);
+        run.follower.measure(2, member, command - 0.25);
         run.ticks(600);
         assert_eq!(run.follower.reason(), Reason::Lag(2));
         let command = run.follower.hinge(member).unwrap();

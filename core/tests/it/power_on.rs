@@ -1,7 +1,7 @@
 //! Is a follower safe from the first millisecond: does it start from no unknown place, whatever it is told and measures?
 
 use foldpath_core::acceptance::SheetView;
-use foldpath_core::follower::{Denial, Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
 use foldpath_core::{GroupId, Interpolation, Membership, Scalar, StarsView};
 use foldpath_test_support::{Measure as _, Random};
 
@@ -195,5 +195,97 @@ fn a_board_may_take_its_time_to_measure() {
                 assert_eq!(copy.start(), expected, "{tick}");
             }
         }
+    }
+}
+
+/// Whatever moves a hinge while nothing is commanded to move: from then on no hinge is commanded, and a motion begins where
+/// the hinges are measured.
+#[test]
+fn a_hinge_that_is_moved_at_rest_is_not_pulled_back() {
+    for under_way in [false, true] {
+        let mut run = Run::<2>::new();
+        run.load(0.5);
+        run.follower.confirm().unwrap();
+        run.follower.start().unwrap();
+        if under_way {
+            (0..300).for_each(|_| _ = run.tick());
+            run.follower.stop(true);
+            run.follower.stop(false);
+        } else {
+            run.until(State::Done);
+        }
+        let stood = run.follower.angles().to_vec();
+        // An error of one measurement is no motion.
+        run.measure(|hinge| stood[0] + if hinge == 1 { 1.0 } else { 0.0 });
+        run.tick();
+        run.measure(|_| stood[0]);
+        (0..100).for_each(|_| run.still());
+        assert_eq!(run.follower.angles(), stood);
+        run.measure(|_| stood[0] - 0.16);
+        (0..21).for_each(|_| _ = run.tick());
+        assert!(!run.follower.is_known() && run.follower.angles().is_empty());
+        if under_way {
+            let stalled = Some(Fault::Stalled(0));
+            assert_eq!(run.follower.fault(), stalled);
+            run.follower.clear().unwrap();
+            run.follower.resume().unwrap();
+        }
+        run.load(0.5);
+        run.measure(|_| 0.41);
+        run.follower.start().unwrap();
+        let begun = run.follower.angles()[0];
+        assert!((begun - 0.41).abs() < 1e-6, "{begun}");
+        run.until(State::Done);
+    }
+}
+
+/// A lost supply takes a hinge farther from its command than brakes explain: nothing pulls it back once the supply returns.
+#[test]
+fn a_hinge_that_is_taken_away_in_a_motion_is_not_pulled_back() {
+    let mut run = Run::<2>::new();
+    run.load(0.5);
+    run.follower.confirm().unwrap();
+    run.follower.start().unwrap();
+    (0..500).for_each(|_| _ = run.tick());
+    run.measure(|_| 0.2);
+    (0..21).for_each(|_| _ = run.tick());
+    assert_eq!(run.follower.fault(), Some(Fault::Stalled(0)));
+    assert!(run.follower.angles().is_empty());
+}
+
+/// Angles that were kept over a reset do not count before the sensors had their time, and not at all against them.
+#[test]
+fn sensors_come_before_what_was_kept_over_a_reset() {
+    for off in [0.0, 0.16] {
+        let mut run = Run::<2>::new();
+        run.follower
+            .stand(&[0.5; 2], FollowerPosition::default(), false)
+            .unwrap();
+        run.follower.withhold();
+        run.load(0.5);
+        for _ in 0..500 {
+            assert!(!run.follower.is_known() && run.follower.angles().is_empty());
+            run.measure(|hinge| 0.5 - if hinge == 1 { off } else { 0.0 });
+            run.tick();
+        }
+        assert_eq!(run.follower.is_known(), off <= 0.0);
+        let started = run.follower.start();
+        assert_eq!(started.is_ok(), off <= 0.0, "{started:?}");
+    }
+}
+
+/// Errors of the sensors are not commanded: a motion begins on the path, or straight before it.
+#[test]
+fn errors_of_sensors_are_not_commanded() {
+    let mut rng = Random::new(86);
+    for off in [0.0, -0.04, 0.06] {
+        let mut run = Run::<11>::new();
+        run.load(0.5);
+        run.measure(|_| 0.5 + off + f32::lit(rng.uniform(-0.02, 0.02)));
+        run.follower.start().unwrap();
+        let angles = run.follower.angles();
+        // All groups turn alike on this path.
+        assert!(angles.iter().all(|angle| (angle - angles[0]).abs() < 1e-6));
+        assert!((angles[0] - 0.5 - off).abs() < 0.02, "{angles:?}");
     }
 }

@@ -24,11 +24,12 @@ pub trait Board {
     fn now(&mut self) -> u64;
     /// Returns `true` if the stop line is drawn, or was drawn since the last call.
     fn stop(&mut self) -> bool;
-    /// Holds the power of the drives, or lets them rest. Called once a tick before the hinges are driven, in every
-    /// state: before the first sheet, after a reset and in a fault as well.
+    /// Holds the power of the drives or lets them rest, as [`Condition::power`] says. Called once a tick before the hinges are
+    /// driven, in every state: before the first sheet, after a reset and in a fault as well.
     fn power(&mut self, condition: &Condition);
     /// Commands a hinge of this group and sign its target: the angle for a servo, the rate for a drive that takes speeds.
-    /// `None` while it is not known where the hinge stands, so that it must not move. Returns the newest measurement of
+    /// `None` while it is not known where the hinge stands, so that it must not move: a drive that turns to its last command is
+    /// commanded what [`Hold`](crate::Hold) returns. Returns the newest measurement of
     /// the hinge that was not yet returned, with its age, if there is one.
     fn drive(
         &mut self,
@@ -118,7 +119,7 @@ where
                 "a record has no room for the angles of all groups"
             );
         }
-        let kept = latest::<GROUPS>(&mut board);
+        let kept = latest::<GROUPS>(&mut board, settings.image);
         let key = if P::KEYED {
             board.key()
         } else {
@@ -182,13 +183,14 @@ where
     /// controller on the stack and move it.
     #[inline(never)]
     fn restore(&mut self) {
-        if let Some(kept) = latest(&mut self.board) {
+        if let Some(kept) = latest(&mut self.board, self.device.settings.image) {
             let held = self.board.held();
             self.device.restore(&kept, held);
         }
     }
 
     /// Reads the stop line. A stop is kept in a record before the host is told, because a reset may come in between.
+    #[inline(never)]
     fn watch(&mut self) {
         let drawn = self.board.stop();
         let before = self.device.follower().is_stopped();
@@ -218,7 +220,7 @@ where
         self.records = self.records.wrapping_add(1);
         let kept = self.device.record(self.starts, self.records);
         let mut bytes: Bytes<GROUPS> = ([0; HEAD], [[0; 4]; GROUPS]);
-        let groups = kept.seal(&mut bytes);
+        let groups = kept.seal(self.device.settings.image, &mut bytes);
         let record = usize::from(self.records % 2 == 1);
         let (head, angles) = bytes;
         self.board.keep(record, 0, &head);
@@ -259,13 +261,13 @@ where
 
 /// Returns the newest record.
 #[inline(never)]
-fn latest<const GROUPS: usize>(board: &mut impl Board) -> Option<Record<GROUPS>> {
+fn latest<const GROUPS: usize>(board: &mut impl Board, image: u32) -> Option<Record<GROUPS>> {
     let mut bytes: Bytes<GROUPS> = ([0; HEAD], [[0; 4]; GROUPS]);
     let [a, b] = [0, 1].map(|record| {
         let (head, angles) = &mut bytes;
         board.kept(record, 0, head);
         board.kept(record, HEAD, angles.as_flattened_mut());
-        Record::open(&bytes)
+        Record::open(image, &bytes)
     });
     Record::latest(a, b)
 }

@@ -6,7 +6,7 @@
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::follower::{
-    Denial, Fault, Follower, Measurement, Options, Reason, State, Target,
+    Denial, Fault, Follower, Hinge, Measurement, Options, Reason, State, Target,
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
@@ -17,7 +17,8 @@ use foldpath_core::wire::transmit::Ring;
 use foldpath_core::{GroupId, GroupLimits, Membership};
 
 use crate::loader::Loader;
-use crate::retained::Record;
+use crate::power::Power;
+use crate::retained::{self, Record};
 use crate::sheet::Sheet;
 use crate::snapshot::Snapshot;
 use crate::window::Window;
@@ -52,6 +53,9 @@ pub struct Settings {
     /// key: a random number of the hardware; or a count in memory that keeps it without power, with the number of the chip
     /// in the upper half. With a number that comes again, bytes that somebody recorded move the sheet.
     pub nonce: u64,
+    /// Number that tells this image and its hinge map from others of the same board: a checksum of both, for one. A record that
+    /// another image has left does not count.
+    pub image: u32,
     /// Returns the limits of a hinge, with the sign of the hinge itself. No message widens them.
     pub limits: fn(hinge: u32) -> GroupLimits,
     /// `true` to refuse sheets without essential vertices. Only a sheet without inner vertices has none.
@@ -72,6 +76,7 @@ impl Settings {
             closure: 1e-3,
             telemetry: 20_000,
             nonce,
+            image: 0,
             limits,
             closed: true,
             node: 0,
@@ -95,6 +100,10 @@ pub struct Condition {
     pub fault: Option<Fault>,
     /// `true` if it is known where the sheet stands.
     pub known: bool,
+    /// What the drives are to do.
+    pub power: Power,
+    /// Number of the sheet's hinges that are measured.
+    pub measured: usize,
     /// Number of hinges that [`Controller::drive`] commands now. Before the first sheet, after a reset until a host has sent
     /// the sheet again, and while it is not known where the sheet stands, this is 1 for a hinge that was moved alone, and
     /// otherwise 0.
@@ -117,14 +126,17 @@ pub struct Controller<
     pub(crate) receiver: Receiver<P>,
     /// `true` if the stop line was drawn since a command was last answered.
     drawn: bool,
-    /// State, reason and room that the host was last told, and whether the stop line holds.
-    told: Option<(State, Reason, usize, bool)>,
+    /// State, reason and room that the host was last told, whether the stop line holds, and whether it is known where the
+    /// sheet stands.
+    told: Option<(State, Reason, usize, [bool; 2])>,
     /// Time when telemetry was due last. The tick behind that of the time `asked` is told: `asks` until then.
     telemetry: u64,
     asks: bool,
     asked: u64,
     /// Time of the last answer that was no report.
     greeted_at: Option<u64>,
+    /// Time when sensors are looked at next.
+    looks: u64,
     snapshot: Snapshot<GROUPS>,
     window: Window,
     deframer: Deframer<FRAME>,
@@ -180,6 +192,7 @@ impl<
             asks: false,
             asked: 0,
             greeted_at: None,
+            looks: 0,
             snapshot: Snapshot::none(),
             window: Window::new(),
         }
@@ -187,13 +200,17 @@ impl<
 
     /// Restores what a record holds: the place on the path, the stop line, a fault, and the angles that were commanded
     /// last, if the drives have `held` the hinges since then. Otherwise the hinges may have moved, and it is not known
-    /// where they stand.
+    /// where they stand. If hinges were measured, nothing is commanded until they were measured again.
     pub fn restore(&mut self, record: &Record<GROUPS>, held: bool) {
         let angles = if held { record.angles() } else { &[] };
+        self.loader.holds = held && record.has(retained::HOLDS);
         let follower = &mut self.loader.follower;
-        let _ = follower.stand(angles, record.place, record.off_path);
+        let _ = follower.stand(angles, record.place, record.has(retained::OFF_PATH));
+        if record.has(retained::MEASURED) {
+            follower.withhold();
+        }
         (self.loader.path, self.loader.on) = (record.path, record.sheet);
-        if record.stopped {
+        if record.has(retained::STOPPED) {
             self.loader.follower.hold(Reason::StopLine);
         }
         if let Some(fault) = record.fault {
@@ -206,9 +223,12 @@ impl<
     pub fn record(&self, starts: u32, count: u32) -> Record<GROUPS> {
         let mut record = Record::default();
         (record.starts, record.count) = (starts, count);
-        record.stopped = self.loader.follower.is_stopped();
         record.fault = self.loader.follower.fault();
-        record.off_path = self.loader.follower.is_off_path();
+        let flag = |flag, is_set| if is_set { flag } else { 0 };
+        record.flags = flag(retained::STOPPED, self.loader.follower.is_stopped())
+            | flag(retained::OFF_PATH, self.loader.follower.is_off_path())
+            | flag(retained::MEASURED, self.loader.sheet.measured() > 0)
+            | flag(retained::HOLDS, self.loader.holds);
         record.place = self.loader.follower.position();
         (record.path, record.sheet) = (self.loader.path, self.loader.on);
         record.stand(self.loader.follower.angles());
@@ -225,6 +245,12 @@ impl<
             stopped: self.loader.follower.is_stopped(),
             fault: self.loader.follower.fault(),
             known,
+            power: if self.loader.holds || self.loader.jog.target().is_some() {
+                Power::Hold
+            } else {
+                Power::Rest
+            },
+            measured: self.loader.sheet.measured(),
             commanded: self.commanded(known),
         }
     }
@@ -347,8 +373,20 @@ impl<
     pub fn tick(&mut self, now: u64) {
         let stars = self.loader.sheet.stars();
         self.loader.follower.tick(stars, now);
+        self.look(now);
         if self.loader.jog.hinge().is_some() {
             self.tick_alone();
+        }
+    }
+
+    /// Looks for sensors that have fallen silent, at the end of each time in which all hinges have to be measured twice.
+    fn look(&mut self, now: u64) {
+        if now < self.looks {
+            return;
+        }
+        self.looks = now + u64::from(self.settings.follower.fresh);
+        if let Some(hinge) = self.loader.sheet.silent() {
+            self.loader.follower.lose_sensor(hinge);
         }
     }
 
@@ -376,7 +414,7 @@ impl<
         let Loader {
             sheet, follower, ..
         } = &mut self.loader;
-        drive_some(follower, 0, sheet.hinges(), &mut drive);
+        drive_some(follower, 0, sheet.some_hinges(0..usize::MAX), &mut drive);
     }
 
     /// Drives all hinges, and notes what is measured of those that telemetry tells, or of the one that is watched or moved
@@ -436,11 +474,11 @@ impl<
         let follower = &self.loader.follower;
         let (state, reason) = (follower.state(), follower.reason());
         let room = follower.room();
-        let stopped = follower.is_stopped();
+        let [stopped, known] = [follower.is_stopped(), follower.is_known()];
         let news = self
             .told
-            .is_none_or(|(old_state, old_reason, old_room, old_stop)| {
-                (state, reason, stopped) != (old_state, old_reason, old_stop)
+            .is_none_or(|(old_state, old_reason, old_room, old_flags)| {
+                (state, reason, [stopped, known]) != (old_state, old_reason, old_flags)
                     || room >= old_room + KNOTS.div_ceil(4)
             });
         if news {
@@ -451,7 +489,7 @@ impl<
             reason,
             place: follower.position(),
             path: self.loader.path,
-            known: follower.is_known(),
+            known,
             stopped,
             ..Report::default()
         };
@@ -476,7 +514,7 @@ impl<
                 self.greeted_at = Some(now);
             }
             self.receiver.sent();
-            self.told = Some((state, reason, room, stopped));
+            self.told = Some((state, reason, room, [stopped, known]));
         }
         if self.receiver.session().is_some() {
             self.tell(now, &mut buffer);
@@ -542,7 +580,7 @@ fn drive_some<
 >(
     follower: &mut Follower<f32, GROUPS, KNOTS>,
     first: u32,
-    hinges: impl Iterator<Item = Membership>,
+    hinges: impl Iterator<Item = impl Hinge>,
     drive: &mut D,
 ) {
     follower.drive_from(first, hinges, drive);

@@ -31,6 +31,8 @@ pub(crate) struct Loader<
     pub(crate) checks: bool,
     /// `true` if the path is that of the open session.
     pub(crate) loaded: bool,
+    /// `true` once a motion has started, until a host asks to forget where the hinges stand.
+    pub(crate) holds: bool,
     /// Numbers that tell the path and the sheet on which the groups stand from others; 0 if there was none. The path is
     /// that of the position that the follower tells.
     pub(crate) path: u32,
@@ -54,6 +56,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             staged: Vec::new(),
             checks: false,
             loaded: false,
+            holds: false,
             path: 0,
             on: 0,
         }
@@ -128,7 +131,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             // From now on the place of the follower is one on this path.
             Command::Start => {
                 follower.start()?;
-                self.path = self.sheet.path();
+                (self.path, self.holds) = (self.sheet.path(), true);
                 Ok(())
             }
             Command::Stand => follower.confirm(),
@@ -142,7 +145,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             Command::Forget => {
                 let begun = matches!(follower.state(), State::Holding | State::Done);
                 follower.forget()?;
-                self.path = 0;
+                (self.path, self.holds) = (0, false);
                 if begun {
                     self.sheet.clear();
                 }
@@ -273,6 +276,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
 
 /// Adds the groups of a piece of a setpoint, of `groups` in all. Returns `false` if there are too many, or if a group is
 /// cut off; nothing is added then.
+#[inline(never)]
 fn stage<const GROUPS: usize>(
     nodes: &mut Vec<Node<f32>, GROUPS>,
     interpolation: Interpolation,

@@ -74,10 +74,8 @@ pub struct Record<const GROUPS: usize> {
     pub starts: u32,
     /// Number of records written, modulo 2³².
     pub count: u32,
-    /// `true` if the stop line holds the motion.
-    pub stopped: bool,
-    /// `true` if the groups stand beside the path, because an approach has not ended.
-    pub off_path: bool,
+    /// Sum of the flags below that are set.
+    pub flags: u32,
     /// Failure of the motion, if it has failed.
     pub fault: Option<Fault>,
     /// Position on the path.
@@ -91,13 +89,21 @@ pub struct Record<const GROUPS: usize> {
     angles: [f32; GROUPS],
 }
 
+/// Flag of a [`Record`]: the stop line holds the motion.
+pub const STOPPED: u32 = 1;
+/// Flag of a [`Record`]: the groups stand beside the path, because an approach has not ended.
+pub const OFF_PATH: u32 = 2;
+/// Flag of a [`Record`]: hinges were measured.
+pub const MEASURED: u32 = 4;
+/// Flag of a [`Record`]: the drives were to hold the hinges.
+pub const HOLDS: u32 = 8;
+
 impl<const GROUPS: usize> Default for Record<GROUPS> {
     fn default() -> Self {
         Self {
             starts: 0,
             count: 0,
-            stopped: false,
-            off_path: false,
+            flags: 0,
             fault: None,
             place: FollowerPosition::default(),
             path: 0,
@@ -121,16 +127,22 @@ impl<const GROUPS: usize> Record<GROUPS> {
         }
     }
 
+    /// Returns `true` if this flag is set.
+    #[must_use]
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
     /// Returns the angle of each group, radians; none if it is not known where they stand.
     #[must_use]
     pub fn angles(&self) -> &[f32] {
         self.angles.get(..self.groups as usize).unwrap_or(&[])
     }
 
-    /// Encodes the record: numbers of 4 bytes, little endian. The first is the checksum of all others. Returns the
-    /// number of angles.
+    /// Encodes the record of an image: numbers of 4 bytes, little endian. The first is the checksum of all others behind the
+    /// number of the image. Returns the number of angles.
     #[inline(never)]
-    pub fn seal(&self, (head, angles): &mut Bytes<GROUPS>) -> usize {
+    pub fn seal(&self, image: u32, (head, angles): &mut Bytes<GROUPS>) -> usize {
         let (fault, of) = match self.fault {
             None => (0, 0),
             Some(Fault::Stalled(hinge)) => (1, hinge),
@@ -140,7 +152,7 @@ impl<const GROUPS: usize> Record<GROUPS> {
         let numbers = [
             self.starts,
             self.count,
-            u32::from(self.stopped) | u32::from(self.off_path) << 1,
+            self.flags,
             fault,
             of,
             self.place.knot,
@@ -158,16 +170,16 @@ impl<const GROUPS: usize> Record<GROUPS> {
                 *word = number.to_le_bytes();
             }
             let used = angles.get(..self.angles().len()).unwrap_or(&[]);
-            let behind_head = checksum_on(0, words.as_flattened());
+            let behind_head = checksum_on(image, words.as_flattened());
             *sum = checksum_on(behind_head, used.as_flattened()).to_le_bytes();
         }
         self.angles().len()
     }
 
-    /// Decodes a record; `None` if its checksum differs, or if it has more groups.
+    /// Decodes a record of an image; `None` if its checksum differs, or if it has more groups.
     #[inline(never)]
     #[must_use]
-    pub fn open((head, angles): &Bytes<GROUPS>) -> Option<Self> {
+    pub fn open(image: u32, (head, angles): &Bytes<GROUPS>) -> Option<Self> {
         let (words, _) = head.as_chunks();
         let [sum, words @ ..] = words else {
             return None;
@@ -189,15 +201,14 @@ impl<const GROUPS: usize> Record<GROUPS> {
         };
         let number = u32::from_le_bytes;
         let used = angles.get(..usize::try_from(number(groups)).ok()?)?;
-        let behind_head = checksum_on(0, words.as_flattened());
+        let behind_head = checksum_on(image, words.as_flattened());
         if checksum_on(behind_head, used.as_flattened()).to_le_bytes() != *sum {
             return None;
         }
         let mut record = Self {
             starts: number(starts),
             count: number(count),
-            stopped: number(flags) & 1 != 0,
-            off_path: number(flags) & 2 != 0,
+            flags: number(flags),
             fault: match number(fault) {
                 0 => None,
                 1 => Some(Fault::Stalled(number(of))),
@@ -241,6 +252,8 @@ mod tests {
 
     use super::{Bytes, HEAD, Record, size};
 
+    const IMAGE: u32 = 0x8001_7ffe;
+
     fn blank<const G: usize>() -> Bytes<G> {
         ([0; HEAD], [[0; 4]; G])
     }
@@ -253,7 +266,7 @@ mod tests {
         };
         record.stand(&[f32::from_bits(count); G]);
         let mut bytes = blank();
-        assert_eq!(record.seal(&mut bytes), G);
+        assert_eq!(record.seal(IMAGE, &mut bytes), G);
         bytes
     }
 
@@ -275,7 +288,7 @@ mod tests {
             for cut in 0..=size(G) {
                 let torn = torn::<G>(&before, &new, cut);
                 let found = [[old, torn], [torn, old]].map(|records| {
-                    let [a, b] = records.each_ref().map(Record::open);
+                    let [a, b] = records.each_ref().map(|bytes| Record::open(IMAGE, bytes));
                     let kept = Record::latest(a, b).unwrap();
                     assert_eq!(kept.starts, 7);
                     assert_eq!(kept.angles().len(), G);
@@ -297,7 +310,10 @@ mod tests {
     #[test]
     fn what_lies_in_memory_at_power_on_is_nothing() {
         for byte in 0..=u8::MAX {
-            assert_eq!(Record::<3>::open(&([byte; HEAD], [[byte; 4]; 3])), None);
+            assert_eq!(
+                Record::<3>::open(IMAGE, &([byte; HEAD], [[byte; 4]; 3])),
+                None
+            );
         }
     }
 
@@ -309,15 +325,11 @@ mod tests {
             Some(Fault::Leap(9)),
             Some(Fault::Torn(5)),
         ];
-        for (stopped, fault) in [false, true]
-            .into_iter()
-            .flat_map(|s| faults.map(|f| (s, f)))
-        {
+        for (flags, fault) in (0..16).flat_map(|flags| faults.map(|fault| (flags, fault))) {
             let mut kept = Record::<94> {
                 starts: 3,
                 count: 9,
-                stopped,
-                off_path: fault.is_none() != stopped,
+                flags,
                 fault,
                 path: 17,
                 sheet: u32::MAX,
@@ -325,11 +337,11 @@ mod tests {
             };
             (kept.place.knot, kept.place.into) = (11, 0.125);
             let mut bytes = blank();
-            assert_eq!(kept.seal(&mut bytes), 0);
-            assert_eq!(Record::open(&bytes), Some(kept));
+            assert_eq!(kept.seal(IMAGE, &mut bytes), 0);
+            assert_eq!(Record::open(IMAGE, &bytes), Some(kept));
             kept.stand(&[0.5, -1.25]);
-            kept.seal(&mut bytes);
-            assert_eq!(Record::open(&bytes), Some(kept));
+            kept.seal(IMAGE, &mut bytes);
+            assert_eq!(Record::open(IMAGE, &bytes), Some(kept));
             assert_eq!(kept.angles(), [0.5, -1.25]);
         }
     }

@@ -3,15 +3,21 @@
 //! The hinges of the sheet before stay until the new sheet is complete and its first setpoint has come, so that somebody
 //! owns every drive at every time.
 
+use core::cell::Cell;
 use core::ops::Range;
 
 use foldpath_core::acceptance::SheetView;
+use foldpath_core::follower::Hinge;
 use foldpath_core::wire::message::{ItemRefusal, SheetHead};
 use foldpath_core::wire::path;
 use foldpath_core::{GroupLimits, Interpolation, Membership, Spoke, StarsView, checksum_on};
 use heapless::Vec;
 
 use crate::controller::Settings;
+
+/// Bits of a driven hinge above its code: its sensor was heard since they were looked at, and before that.
+const HEARD: u16 = 1 << 15;
+const HEARD_BEFORE: u16 = 1 << 14;
 
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
 // In order, for the reason given at `Follower`.
@@ -26,9 +32,12 @@ pub struct Sheet<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> 
     limits: Vec<GroupLimits, GROUPS>,
     spokes: Vec<Spoke<f32>, SPOKES>,
     ends: Vec<u32, SPOKES>,
-    /// Code of each hinge, see [`Membership::from_code`]: of the sheet that is received, and of the sheet that is driven.
+    /// Code of each hinge, see [`Membership::from_code`]: of the sheet that is received, and of the sheet that is driven with
+    /// the bits of its sensors.
     hinges: Vec<u16, HINGES>,
-    driven: Vec<u16, HINGES>,
+    driven: Vec<Cell<u16>, HINGES>,
+    /// Number of driven hinges whose sensors were heard.
+    measured: usize,
 }
 
 impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Default
@@ -42,6 +51,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Default
             limits: Vec::new(),
             hinges: Vec::new(),
             driven: Vec::new(),
+            measured: 0,
             spokes: Vec::new(),
             ends: Vec::new(),
             sum: 0,
@@ -82,6 +92,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     }
 
     /// Forgets the sheet that is received. The hinges of the sheet that is driven stay.
+    #[inline(never)]
     pub fn clear(&mut self) {
         (self.head, self.sum) = (None, 0);
         self.limits.clear();
@@ -109,10 +120,15 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
                 }
             }
         }
+        const {
+            assert!(GROUPS <= 1 << 13, "a code has 14 bits");
+        }
         // Not `clone_from`, which would build another copy on the stack.
         self.driven.clear();
-        let _ = self.driven.extend_from_slice(&self.hinges);
-        self.adopted = true;
+        for code in &self.hinges {
+            let _ = self.driven.push(Cell::new(*code));
+        }
+        (self.adopted, self.measured) = (true, 0);
         Ok(())
     }
 
@@ -230,17 +246,55 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     /// Iterates over group and sign of each hinge that is driven.
     pub fn hinges(&self) -> impl ExactSizeIterator<Item = Membership> {
         self.some_hinges(0..usize::MAX)
+            .map(|hinge| hinge.membership())
     }
 
-    /// Iterates over group and sign of those hinges that are driven and in this range.
+    /// Iterates over those hinges that are driven and in this range.
     pub(crate) fn some_hinges(
         &self,
         hinges: Range<usize>,
-    ) -> impl ExactSizeIterator<Item = Membership> {
+    ) -> impl ExactSizeIterator<Item = Driven<'_>> {
         let end = hinges.end.min(self.driven.len());
         let some = self.driven.get(hinges.start..end).unwrap_or(&[]);
-        some.iter()
-            .map(|code| Membership::from_code((*code).into()))
+        some.iter().map(Driven)
+    }
+
+    /// Returns the number of driven hinges that were measured.
+    pub(crate) fn measured(&self) -> usize {
+        self.measured
+    }
+
+    /// Returns the first hinge that was measured before, and not since the last call. Not inlined, so that other ticks do not
+    /// pay for it.
+    #[inline(never)]
+    pub(crate) fn silent(&mut self) -> Option<u32> {
+        self.measured = 0;
+        let mut silent = None;
+        for (hinge, code) in (0..).zip(&self.driven) {
+            let bits = code.get();
+            if bits & HEARD != 0 {
+                code.set(bits & !HEARD | HEARD_BEFORE);
+            } else if bits & HEARD_BEFORE != 0 {
+                silent = silent.or(Some(hinge));
+            }
+            self.measured += usize::from(bits & (HEARD | HEARD_BEFORE) != 0);
+        }
+        silent
+    }
+}
+
+/// A hinge that is driven.
+pub(crate) struct Driven<'a>(&'a Cell<u16>);
+
+impl Hinge for Driven<'_> {
+    #[inline]
+    fn membership(&self) -> Membership {
+        Membership::from_code((self.0.get() & !(HEARD | HEARD_BEFORE)).into())
+    }
+
+    #[inline]
+    fn heard(&self) {
+        self.0.set(self.0.get() | HEARD);
     }
 }
 

@@ -202,7 +202,7 @@ fn stream<P: Protection>(
         });
         if device.follower().state() == State::Running {
             ticks = (ticks.0 + cost, ticks.1 + 1);
-            let cost = meter.measure(|| device.record(1, ticks.1).seal(&mut record));
+            let cost = meter.measure(|| device.record(1, ticks.1).seal(0, &mut record));
             records = (records.0 + cost, records.1 + 1);
         }
         let frame = sender.poll(now, &items, &mut scratch, &mut buffer);

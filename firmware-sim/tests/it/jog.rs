@@ -3,7 +3,7 @@
 
 use core::cell::Cell;
 
-use foldpath_controller::retained::Record;
+use foldpath_controller::retained::{OFF_PATH, Record};
 use foldpath_controller::{ALONE, Controller, Settings};
 use foldpath_core::GroupLimits;
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Measurement, Reason, State};
@@ -518,7 +518,7 @@ fn a_jog_and_a_sheet_keep_apart() {
     assert_eq!((bench.commands.len(), commanded), (50, vec![3]));
     let kept: Record<4> = bench.device.record(1, 1);
     assert_eq!(
-        (kept.angles(), kept.path, kept.off_path),
+        (kept.angles(), kept.path, kept.has(OFF_PATH)),
         (&[][..], 0, false)
     );
     let mut other = Device::protected(settings(2), Unkeyed);
@@ -542,7 +542,7 @@ fn a_jog_and_a_sheet_keep_apart() {
 fn a_jog_forgets_the_place_that_a_reset_has_left() {
     let mut bench = Bench::new(BLIND);
     let mut kept = Record::<4>::default();
-    (kept.path, kept.sheet, kept.place.knot, kept.off_path) = (77, 5, 9, true);
+    (kept.path, kept.sheet, kept.place.knot, kept.flags) = (77, 5, 9, OFF_PATH);
     bench.device.restore(&kept, true);
     bench.jog(3, None, None).unwrap();
     bench.run(1);
@@ -556,7 +556,7 @@ fn a_jog_forgets_the_place_that_a_reset_has_left() {
         (bench.report.unwrap().path, bench.report.unwrap().place.knot),
         (0, 0)
     );
-    assert!(!bench.device.record(1, 1).off_path);
+    assert!(!bench.device.record(1, 1).has(OFF_PATH));
 }
 
 /// The windows go round the sheet, each of the tick of the telemetry before it. What was not measured is no number.

@@ -109,6 +109,10 @@ pub(crate) struct Bench {
     pub(crate) limp: bool,
     /// Returns the measured angle of a hinge from its number, its command, and the angle at which it stands.
     pub(crate) sensor: Option<Sensor>,
+    /// Hinges that are not measured.
+    pub(crate) deaf: Vec<u32>,
+    /// `true` if the drives follow their commands.
+    pub(crate) follows: bool,
     /// Flash for the key, which is 0 when it is erased. Neither a reset nor a loss of power changes it.
     pub(crate) flash: [u32; stored::WORDS],
     /// Number of words that can still be written before the flash fails, if it fails.
@@ -160,7 +164,8 @@ impl Board for Shared {
         let hinges = bench.stands.len().max(hinge as usize + 1);
         bench.stands.resize(hinges, 0.0);
         let stands = bench.stands[hinge as usize];
-        let measured = bench.sensor.map(|sensor| sensor(hinge, angle, stands));
+        let sensor = bench.sensor.filter(|_| !bench.deaf.contains(&hinge));
+        let measured = sensor.map(|sensor| sensor(hinge, angle, stands));
         measured.map(Into::into)
     }
 
@@ -252,6 +257,8 @@ pub(crate) struct Machine<const G: usize, P: Protection = Unkeyed> {
     pub(crate) nonce: u64,
     /// `true` if the line may set a key.
     pub(crate) pairs: bool,
+    /// Number of the image from the next reset on.
+    pub(crate) image: u32,
 }
 
 impl<const G: usize> Machine<G> {
@@ -265,7 +272,10 @@ impl<const G: usize, P: Protection> Machine<G, P> {
     /// Switches a board on whose memory holds nothing, and whose line may set a key or not.
     pub(crate) fn with_line(nonce: u64, pairs: bool) -> Self {
         let bench = Shared::default();
-        bench.0.borrow_mut().now = 1_000_000;
+        {
+            let mut bench = bench.0.borrow_mut();
+            (bench.now, bench.follows) = (1_000_000, true);
+        }
         let settings = Settings {
             pairs,
             ..settings(nonce)
@@ -277,6 +287,7 @@ impl<const G: usize, P: Protection> Machine<G, P> {
             recorded: Vec::new(),
             nonce,
             pairs,
+            image: 0,
         }
     }
 
@@ -304,6 +315,7 @@ impl<const G: usize, P: Protection> Machine<G, P> {
         }
         let settings = Settings {
             pairs: self.pairs,
+            image: self.image,
             ..settings(nonce)
         };
         *self.controller = Application::new(bench.clone(), bench.clone(), settings);
@@ -351,9 +363,13 @@ impl<const G: usize, P: Protection> Machine<G, P> {
         self.bench(|bench| {
             let condition = *bench.conditions.last().unwrap();
             assert_eq!(bench.conditions.len(), bench.ticks);
+            let follows = bench.follows;
             let latched = condition.stopped || condition.fault.is_some();
             for (hinge, command) in bench.commands.iter().enumerate() {
                 let Some(command) = *command else { continue };
+                if !follows {
+                    continue;
+                }
                 let stands = &mut bench.stands[hinge];
                 let most = match before.get(hinge) {
                     _ if latched => 0.0,

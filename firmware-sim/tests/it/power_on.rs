@@ -158,6 +158,7 @@ fn a_sheet_with_vertices_needs_its_spokes() {
         recorded: Vec::new(),
         nonce: 1,
         pairs: false,
+        image: 0,
     };
     let mut host = path.driver(Persistence::None, 7).confirming();
     machine.run(Some(&mut host), 300);

@@ -170,11 +170,8 @@ impl Board for Discovery<'_> {
         self.stop.is_high()
     }
 
-    /// Servos hold once the controller knows where the sheet stands, and from then on, after a stop and in a fault as well.
-    /// Before, they are limp, so that the sheet can be laid flat by hand. They hold in a reset of this board, and until a
-    /// host has sent the sheet again.
     fn power(&mut self, condition: &Condition) {
-        self.shared.servos.borrow_mut().hold(condition.known);
+        self.shared.servos.borrow_mut().switch_to(condition.power);
     }
 
     fn drive(
@@ -183,9 +180,8 @@ impl Board for Discovery<'_> {
         _: Membership,
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
-        let (goal, now) = (target.map(|target| target.angle), Instant::now());
         let mut servos = self.shared.servos.borrow_mut();
-        servos.drive(hinge, goal, now.as_micros())
+        servos.drive(hinge, target, Instant::now().as_micros())
     }
 
     fn commit(&mut self) {

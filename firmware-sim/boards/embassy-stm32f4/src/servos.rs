@@ -1,6 +1,7 @@
 //! The servos between the controller's ticks and the tasks of the bus.
 
-use foldpath_core::follower::Measurement;
+use foldpath_controller::{Hold, Power};
+use foldpath_core::follower::{Measurement, Target};
 
 use crate::HINGES;
 use crate::packets::{self, GOAL, Packet, TORQUE};
@@ -12,8 +13,9 @@ const GONE: u8 = 16;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Servos {
     goals: [Option<u16>; HINGES],
-    /// `holds`: whether the drives are to be on. `told`: what the bus was told last.
-    holds: bool,
+    holds: [Hold; HINGES],
+    /// What the drives are to do, and whether the bus was told last that they are to be on.
+    power: Power,
     told: Option<bool>,
     seen: [Seen; HINGES],
 }
@@ -24,6 +26,8 @@ struct Seen {
     /// Position that was not yet passed on, and the time of its question, microseconds. A position of `None` tells of an
     /// error.
     news: Option<(Option<u16>, u64)>,
+    /// Angle of the newest position, radians.
+    angle: Option<f32>,
     missed: u8,
 }
 
@@ -35,15 +39,23 @@ pub fn number(hinge: usize) -> u8 {
 
 impl Servos {
     /// Switches the drives on or off with the next packet.
-    pub fn hold(&mut self, holds: bool) {
-        self.holds = holds;
+    pub fn switch_to(&mut self, power: Power) {
+        self.power = power;
     }
 
-    /// Sets the goal of a hinge, radians, and returns what was heard of it since the last call, at `now`, microseconds.
-    pub fn drive(&mut self, hinge: u32, goal: Option<f32>, now: u64) -> Option<Measurement<f32>> {
+    /// Sets the target of a hinge, and returns what was heard of it since the last call, at `now`, microseconds.
+    pub fn drive(
+        &mut self,
+        hinge: u32,
+        target: Option<Target<f32>>,
+        now: u64,
+    ) -> Option<Measurement<f32>> {
         let hinge = usize::try_from(hinge).ok()?;
+        let seen = self.seen.get_mut(hinge)?;
+        let goal = self.holds.get_mut(hinge)?;
+        let goal = goal.command(self.power, target, seen.angle);
         *self.goals.get_mut(hinge)? = goal.map(packets::steps);
-        let (steps, at) = self.seen.get_mut(hinge)?.news.take()?;
+        let (steps, at) = seen.news.take()?;
         Some(Measurement {
             angle: steps.map_or(f32::NAN, packets::angle),
             age: u32::try_from(now.saturating_sub(at)).unwrap_or(u32::MAX),
@@ -55,7 +67,7 @@ impl Servos {
     pub fn packet(&mut self) -> Option<(Packet, bool)> {
         let goals = (0..).zip(self.goals);
         let goals = goals.filter_map(|(hinge, goal)| Some((number(hinge), goal?.to_le_bytes())));
-        let switches = self.told != Some(self.holds);
+        let switches = self.told != Some(self.power == Power::Hold);
         let some = self.goals.iter().any(Option::is_some);
         match (some, switches) {
             (true, _) => Some((Packet::sync_write(GOAL, goals), switches)),
@@ -66,8 +78,9 @@ impl Servos {
 
     /// Returns the packet that switches the drives on or off.
     pub fn switch(&mut self) -> Packet {
-        self.told = Some(self.holds);
-        let on = [u8::from(self.holds)];
+        let holds = self.power == Power::Hold;
+        self.told = Some(holds);
+        let on = [u8::from(holds)];
         Packet::sync_write(TORQUE, (0..HINGES).map(|hinge| (number(hinge), on)))
     }
 
@@ -75,6 +88,7 @@ impl Servos {
     pub fn answered(&mut self, hinge: usize, steps: Option<u16>, at: u64) {
         if let Some(seen) = self.seen.get_mut(hinge) {
             seen.news = Some((steps, at));
+            seen.angle = steps.map(packets::angle);
             seen.missed = 0;
         }
     }
@@ -106,9 +120,13 @@ mod tests {
         let (off, more) = servos.packet().unwrap();
         assert_eq!((off.bytes()[5], off.bytes()[8], more), (TORQUE, 0, false));
         assert!(servos.packet().is_none());
-        servos.hold(true);
+        servos.switch_to(Power::Hold);
+        let target = Target {
+            angle: 0.5,
+            rate: 0.0,
+        };
         for hinge in 0..12 {
-            assert_eq!(servos.drive(hinge, Some(0.5), 0), None);
+            assert_eq!(servos.drive(hinge, Some(target), 0), None);
         }
         let (goals, more) = servos.packet().unwrap();
         assert_eq!((goals.bytes()[5], more), (GOAL, true));
@@ -116,6 +134,11 @@ mod tests {
         let on = servos.switch();
         assert_eq!((on.bytes()[5], on.bytes()[8]), (TORQUE, 1));
         assert!(!servos.packet().unwrap().1);
+        // Nothing is commanded any more: a servo goes to where it was measured, and not back to its goal.
+        servos.answered(0, Some(2048), 0);
+        servos.drive(0, None, 0);
+        let goals = servos.packet().unwrap().0;
+        assert_eq!(goals.bytes()[7..13], [1, 0, 8, 2, 0x46, 9]);
     }
 
     #[test]

@@ -23,7 +23,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::entry;
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained::{self, Records};
-use foldpath_controller::{Application, Board, Condition, Fifo, Player, Settings};
+use foldpath_controller::{Application, Board, Condition, Fifo, Hold, Player, Power, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_port_stm32f4::{
@@ -125,6 +125,8 @@ struct Nucleo {
     ),
     converter: Adc<ADC1>,
     potentiometers: (PA0<Analog>, PA1<Analog>, PA4<Analog>, PC0<Analog>),
+    holds: [Hold; HINGES],
+    power: Power,
     watchdog: IndependentWatchdog,
 }
 
@@ -140,10 +142,9 @@ impl Board for Nucleo {
         self.stop.is_high()
     }
 
-    /// A servo without pulses is limp, and one with pulses holds. Pulses begin with the first command and stay from then
-    /// on, in a fault as well. After a reset there are none until a host has sent the sheet again. Looks at the button, as
-    /// this is called each millisecond.
-    fn power(&mut self, _: &Condition) {
+    /// A servo without pulses is limp, and one with pulses holds. Looks at the button, as this is called each millisecond.
+    fn power(&mut self, condition: &Condition) {
+        self.power = condition.power;
         let (pin, button) = &mut self.button;
         match button.look(pin.is_low()) {
             Some(Press::Short) => ASKED.store(1, Ordering::Relaxed),
@@ -158,24 +159,27 @@ impl Board for Nucleo {
         _: Membership,
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
-        let command = target.map(|target| target.angle);
+        let place = usize::try_from(hinge).unwrap_or(usize::MAX);
+        let (hold, power) = (self.holds.get_mut(place)?, self.power);
         let (servos, pots) = (&mut self.servos, &self.potentiometers);
         let (converter, time) = (&mut self.converter, SampleTime::Cycles_84);
         // The read waits for the conversion, which takes 5 microseconds.
         macro_rules! turn {
             ($servo:tt) => {{
-                command.inspect(|angle| servos.$servo.set_duty(pulse(*angle)));
-                converter.convert(&pots.$servo, time)
+                let measured = angle(converter.convert(&pots.$servo, time));
+                let command = hold.command(power, target, Some(measured));
+                servos.$servo.set_duty(command.map_or(0, pulse));
+                measured
             }};
         }
-        let reading = match hinge {
+        let measured = match hinge {
             0 => turn!(0),
             1 => turn!(1),
             2 => turn!(2),
             3 => turn!(3),
             _ => return None,
         };
-        Some(angle(reading).into())
+        Some(measured.into())
     }
 
     /// The servos have no pulses in a reset, and are limp without them. Their potentiometers tell where they stand.
@@ -258,6 +262,8 @@ fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
             a.pa4.into_analog(),
             c.pc0.into_analog(),
         ),
+        holds: [Hold::default(); HINGES],
+        power: Power::Rest,
         watchdog,
     };
     Some((nucleo, Line(transmitter)))

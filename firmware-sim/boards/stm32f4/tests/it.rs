@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use foldpath_controller::retained;
-use foldpath_controller::{Application, Board, Condition, Player, Settings};
+use foldpath_controller::{Application, Board, Condition, Hold, Player, Power, Settings};
 use foldpath_core::follower::{FollowerPosition, Measurement, Reason, State, Target};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
@@ -34,6 +34,7 @@ struct Bench {
     received: VecDeque<u8>,
     sent: Vec<u8>,
     pulses: [Option<u16>; HINGES],
+    holds: [Hold; HINGES],
     stands: [f32; HINGES],
     /// Number of a potentiometer whose wire is broken.
     broken: Option<usize>,
@@ -67,9 +68,6 @@ impl Board for Shared {
     ) -> Option<Measurement<f32>> {
         let mut bench = self.0.borrow_mut();
         let hinge = hinge as usize;
-        if let Some(target) = target {
-            bench.pulses[hinge] = Some(pulse(target.angle));
-        }
         let reading = if bench.broken == Some(hinge) {
             0
         } else {
@@ -82,7 +80,13 @@ impl Board for Shared {
             let reading = reading as u16;
             reading
         };
-        Some(angle(reading).into())
+        let measured = angle(reading);
+        let power = bench
+            .condition
+            .map_or(Power::Rest, |condition| condition.power);
+        let command = bench.holds[hinge].command(power, target, Some(measured));
+        bench.pulses[hinge] = command.map(pulse);
+        Some(measured.into())
     }
 
     fn commit(&mut self) {
