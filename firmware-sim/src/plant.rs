@@ -56,7 +56,7 @@ impl Drive {
 
 /// The hinges of `GROUPS` groups. An interrupt may tell it of faults. Memory of all zeros is a plant without faults.
 ///
-/// Before the first fault the hinges are where they are commanded to be, which costs next to nothing.
+/// Before the first fault the hinges are where they are commanded to be, and nothing measures them.
 #[derive(Debug)]
 pub struct Plant<const GROUPS: usize> {
     groups: [Drive; GROUPS],
@@ -127,13 +127,12 @@ impl<const GROUPS: usize> Plant<GROUPS> {
         (bits != 0).then(|| membership.apply(f32::from_bits(bits)))
     }
 
-    /// Turns a hinge towards its command at `now`, microseconds; returns its angle. Both angles are in radians.
+    /// Turns a hinge towards its command at `now`, microseconds; returns its angle, or `None` before the first fault. Both
+    /// angles are in radians.
     #[inline]
-    pub fn drive(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> f32 {
-        if self.tested.load(Relaxed) == 0 {
-            return command;
-        }
-        self.turn(hinge, membership, command, now)
+    pub fn drive(&self, hinge: u32, membership: Membership, command: f32, now: u32) -> Option<f32> {
+        let tested = self.tested.load(Relaxed) != 0;
+        tested.then(|| self.turn(hinge, membership, command, now))
     }
 
     #[inline(never)]
@@ -172,12 +171,16 @@ mod tests {
         let [first, second] = commands;
         let mut angles = [0.0; 4];
         for now in (from..to).map(|milli| 1000 * (milli + 1)) {
-            angles = [
-                plant.drive(0, member(0, false), first, now),
-                plant.drive(1, member(1, true), -second, now),
-                plant.drive(2, member(0, true), -first, now),
-                plant.drive(3, member(1, false), second, now),
+            let hinges = [
+                (0, false, first),
+                (1, true, -second),
+                (0, true, -first),
+                (1, false, second),
             ];
+            for ((hinge, (group, negative, command)), angle) in (0..).zip(hinges).zip(&mut angles) {
+                let measured = plant.drive(hinge, member(group, negative), command, now);
+                *angle = measured.unwrap_or(command);
+            }
         }
         angles
     }

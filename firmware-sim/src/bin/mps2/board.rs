@@ -181,7 +181,7 @@ impl Board for Mps2 {
         };
         #[allow(clippy::cast_possible_truncation, reason = "differences matter")]
         let now = self.micros as u32;
-        Some(PLANT.drive(hinge, membership, angle, now).into())
+        PLANT.drive(hinge, membership, angle, now).map(Into::into)
     }
 
     /// The emulated drives hold where they are, in a reset as well.
