@@ -116,11 +116,12 @@ impl<const GROUPS: usize> Plant<GROUPS> {
     }
 
     /// Returns the angle of a hinge without a command, radians; `None` before the first fault, when no hinge has an angle
-    /// of its own.
+    /// of its own. A hinge that is free again goes with its group, as the panels beside it do.
     #[must_use]
     pub fn measure(&self, hinge: u32, membership: Membership) -> Option<f32> {
         let tested = self.tested.load(Relaxed) != 0;
         let odd = self.odd_one.load(Relaxed) == hinge.wrapping_add(1);
+        let odd = odd && self.stuck.load(Relaxed) != 0;
         let group = self.groups.get(membership.group.index());
         let drive = if odd { Some(&self.odd) } else { group };
         let bits = drive.filter(|_| tested)?.angle.load(Relaxed);
