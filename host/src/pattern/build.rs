@@ -290,7 +290,10 @@ fn lacks_inner_boundaries(
     let mut met = HashSet::new();
     let repeats = |face: &Vec<usize>| {
         met.clear();
-        !face.iter().all(|&corner| met.insert(corner))
+        let is_simple = face.iter().all(|&corner| met.insert(corner));
+        // A face that names a corner twice in a row is wrong.
+        let mut sides = face.iter().zip(face.iter().cycle().skip(1));
+        !is_simple && sides.all(|(a, b)| a != b)
     };
     if faces.iter().any(repeats) {
         return Ok(true);
