@@ -15,7 +15,7 @@ pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
-        CliError::Request(RequestError::Goal { source, .. }) => of_goal(source),
+        CliError::Request(RequestError::Goal { source, file }) => of_goal(source, file),
         CliError::Request(RequestError::Option { hint, .. }) => hint.clone(),
         _ => None,
     }
@@ -90,8 +90,12 @@ fn of_pattern(error: &PatternError) -> Option<&'static str> {
     }
 }
 
-fn of_goal(error: &GoalError) -> Option<String> {
+fn of_goal(error: &GoalError, file: &str) -> Option<String> {
     let text = match error {
+        GoalError::NoDirection if file.to_lowercase().ends_with(".svg") => {
+            "draw creases in the colours of M and V, or take dashed lines for them (`--dashes V`); or say where to go: \
+             `--goal FILE`, or `--crease I=DEG` for one crease"
+        }
         GoalError::NoDirection => {
             "letter creases M or V, or say where to go: `--goal FILE`, or `--crease I=DEG` for one crease"
         }

@@ -1,4 +1,4 @@
-//! Options of reading drawings: the tolerance, and the letters of colours.
+//! Options of reading drawings: the tolerance, and the letters of colours and dashes.
 
 use core::str::FromStr;
 use std::path::Path;
@@ -27,6 +27,8 @@ pub struct ReadOptions {
     pub unit: Option<Unit>,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
+    /// Letter of the dashed lines of an SVG drawing. Without it, a dashed line has the letter of its colour.
+    pub dashes: Option<Letter>,
 }
 
 crate::util::changed_one_by_one!(ReadOptions);
@@ -74,6 +76,10 @@ impl ReadOptions {
         if !self.colours.is_empty() && format != Format::Svg {
             let expected = "an SVG drawing, whose lines have colours";
             return wrong("letters of colours", expected, format.described());
+        }
+        if self.dashes.is_some() && format != Format::Svg {
+            let expected = "an SVG drawing, which has dashed lines";
+            return wrong("the letter of dashes", expected, format.described());
         }
         Ok(())
     }

@@ -17,7 +17,7 @@ use crate::export::ExportOptions;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::folding::{BOUND, DEFAULT_BOUND};
-use crate::pattern::{BEND_DEG, Unit};
+use crate::pattern::{BEND_DEG, Letter, Unit};
 use crate::planner::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
     MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
@@ -178,6 +178,11 @@ options! {
         /// has the meaning of Origami Simulator.
         colors: Option<ColourLetters> = None, heading: "Drawing", value_name: "NAME=LETTER,..."
             => |read, letters| read.colours = letters.clone().unwrap_or_default();
+
+        /// Letter of the dashed lines of an SVG drawing, whatever their colour
+        ///
+        /// Without this option dashes mean nothing: a dashed line has the letter of its colour.
+        dashes: Option<Letter> = None, heading: "Drawing", value_name: "LETTER";
     }
 }
 

@@ -112,6 +112,7 @@ def read(
     straighten: Literal["auto", "on", "off"] = "auto",
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
+    dashes: Literal["V", "M", "F", "U"] | None = None,
 ) -> Pattern:
     """Read a crease pattern.
 
@@ -132,6 +133,8 @@ def read(
       or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
       colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
       Origami Simulator
+    - ``dashes``: Letter of the dashed lines of an SVG drawing, whatever their colour. Without this option dashes mean
+      nothing: a dashed line has the letter of its colour
 
     Raises :class:`FoldpathError` if the source holds no crease pattern.
     """

@@ -98,6 +98,7 @@ def plan(
     straighten: Literal["auto", "on", "off"] | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
+    dashes: Literal["V", "M", "F", "U"] | None = None,
     jobs: int | None = None,
 ) -> Plan:
     """Find a path from the flat sheet to a goal.
@@ -163,6 +164,8 @@ def plan(
       or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
       colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
       Origami Simulator
+    - ``dashes``: Letter of the dashed lines of an SVG drawing, whatever their colour. Without this option dashes mean
+      nothing: a dashed line has the letter of its colour
     """
     given = dict(locals())
     pattern, jobs = given.pop("pattern"), given.pop("jobs")

@@ -14,6 +14,7 @@ mod strips;
 mod tree;
 mod variant;
 mod vertex;
+mod windows;
 
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
@@ -31,6 +32,7 @@ pub use strips::{strips, wide_strips};
 pub use tree::{chain, tree};
 pub use variant::{renumbered, variant};
 pub use vertex::{slender, vertex};
+pub use windows::windows;
 
 use crate::{Closure, Random};
 

@@ -35,5 +35,6 @@ mod torn_sides;
 mod traps;
 mod way_round;
 mod web;
+mod windows;
 mod workspaces;
 mod wrong_paths;

@@ -159,7 +159,7 @@ fn values_of_the_wrong_type() {
         /edges_vertices = 7 => edges_vertices: expected a list, found 7
         /edges_vertices = ; /faces_vertices = ; /edges_assignment = ; /edges_foldAngle = => \
             edges_vertices: expected a list (or faces_vertices, or vertices_vertices), found nothing
-        /edges_vertices/3 = [1,2,3] => edges_vertices[3]: expected 2 vertices, found a list of 3
+        /edges_vertices/3 = [1,2,3] => edges_vertices[3]: expected 2 vertices, or 4 of a curve, found a list of 3
         /edges_vertices/3/0 = "1" => edges_vertices[3][0]: expected a whole number from 0, found "1"
         /edges_vertices/3/0 = -1 => edges_vertices[3][0]: expected a whole number from 0, found -1
         /edges_vertices/3/0 = 1.5 => edges_vertices[3][0]: expected a whole number from 0, found 1.5

@@ -1,6 +1,6 @@
 //! Reads the flat crease pattern of a FOLD file and its goal fold angles.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -14,8 +14,9 @@ use crate::pattern::{
     Unit, check_goal,
 };
 use crate::progress::Watch;
+use crate::read::curves::{Chords, Curve, STRAIGHT_CREASE};
 use crate::read::error::quoted;
-use crate::read::segments::{self, LooseLines, Segment};
+use crate::read::segments::{self, LooseLines, MAX_LINES, Segment, Written};
 use crate::read::{FileError, ReadOptions, stem};
 
 /// A crease pattern read from a file.
@@ -57,15 +58,25 @@ pub(in crate::read) fn parse_within(
                     source: PatternError::Duplicate { .. }
                         | PatternError::Crossing { .. }
                         | PatternError::OnEdge { .. }
-                        | PatternError::Overlap { .. },
+                        | PatternError::Overlap { .. }
+                        | PatternError::DeadEnd { .. },
                     ..
                 }
             );
             if !repairable {
                 return Err(error);
             }
+            // A crease that ends in a panel may be a piece of one; left out, it would be better named.
             let repaired = repaired(document, &frame, angles.as_ref(), options, watch);
-            return repaired.map_err(|_| error);
+            let is_whole = |file: &PatternFile| {
+                let source = match &error {
+                    FileError::Pattern { source, .. } => Some(source),
+                    _ => None,
+                };
+                !matches!(source, Some(PatternError::DeadEnd { .. }))
+                    || file.pattern.lost_lines().is_none()
+            };
+            return repaired.ok().filter(is_whole).ok_or(error);
         }
     };
     if angles.is_none() {
@@ -98,7 +109,11 @@ fn repaired(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let unit = unit(frame, &mut notes)?;
-    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
+    let drawn = drawing(document, frame, goals, &mut notes)?;
+    let coordinates = drawn.coordinates();
+    let FrameDrawing {
+        drawing, written, ..
+    } = drawn;
     let wrong =
         |expected: &str, found: &str| document.expected("the tolerance".into(), expected, found);
     if drawing.faces.is_some() {
@@ -119,6 +134,11 @@ fn repaired(
             .collect::<Option<_>>()
             .ok_or_else(|| wrong("edges between vertices", "an edge to none"))?,
         notes,
+        written: coordinates.map(|points| Written {
+            points,
+            scale: 1.0,
+            turned: false,
+        }),
         ..LooseLines::default()
     };
     let mut file = segments::pattern_file(&document.path, lines, options, watch)?;
@@ -170,9 +190,10 @@ pub(super) fn pattern_of(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let unit = unit(frame, &mut notes)?;
-    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
+    let drawn = drawing(document, frame, goals, &mut notes)?;
+    let coordinates = drawn.coordinates();
     let mut pattern =
-        CreasePattern::watched(drawing, watch).map_err(|source| match (&source, goals) {
+        CreasePattern::watched(drawn.drawing, watch).map_err(|source| match (&source, goals) {
             (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
                 goals.place_of(document, source)
             }
@@ -185,7 +206,13 @@ pub(super) fn pattern_of(
     for note in notes {
         pattern.assume(note);
     }
-    take_precision(&mut pattern, frame, written)?;
+    if let Some(coordinates) = coordinates {
+        pattern.add_chords(drawn.edges);
+        let rounded = |unit: f64| pattern.looks_rounded(unit);
+        let length = Digits::of_coordinates(coordinates.into_iter(), rounded);
+        pattern.lengths_written_with(length);
+    }
+    take_precision(&mut pattern, frame, drawn.written)?;
     pattern.measured_in(unit);
     Ok(PatternFile {
         title: title(document, frame)?,
@@ -322,28 +349,50 @@ pub(super) fn unit(frame: &Frame<'_>, notes: &mut Vec<String>) -> Result<Option<
     Ok(unit)
 }
 
+/// Largest distance of the control points of a straight curve from the line between its ends, over the largest coordinate.
+const STRAIGHT_RATIO: f64 = 1e-9;
+
 /// FOLD's name of lengths without a unit.
 const NO_UNIT: &str = "unit";
 
-/// Returns the drawing of a frame, and the precision of its coordinates if they had to be turned into a plane.
+/// The drawing of a frame.
+struct FrameDrawing {
+    drawing: Drawing,
+    /// The precision of the coordinates, if they had to be turned into a plane.
+    written: Option<Digits>,
+    /// Numbers of vertices and edges of the frame; those behind them are of the chords of curves.
+    vertices: usize,
+    edges: usize,
+}
+
+impl FrameDrawing {
+    /// Returns the coordinates of the file if the drawing has others as well.
+    fn coordinates(&self) -> Option<Vec<[f64; 2]>> {
+        let vertices = &self.drawing.vertices;
+        let own = vertices[..self.vertices].iter().map(|&at| at.into());
+        (vertices.len() > self.vertices).then(|| own.collect())
+    }
+}
+
+/// Returns the drawing of a frame.
 fn drawing(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
     notes: &mut Vec<String>,
-) -> Result<(Drawing, Option<Digits>), FileError> {
+) -> Result<FrameDrawing, FileError> {
     let points = points(frame)?;
     let faces = faces(frame)?;
     let Some((vertices, written)) = lay(&points, faces.as_deref(), notes) else {
         return Err(document.expected("vertices_coords".into(), FLAT_PATTERN, NOT_FLAT));
     };
-    let edges = edges(document, frame, faces.as_deref(), notes)?;
+    let DrawnEnds { ends, curves } = edges(document, frame, faces.as_deref(), notes)?;
     if let Some(goals) = goals {
-        goals.check_count(document, edges.len())?;
+        goals.check_count(document, ends.len())?;
     }
     let goals = goals.filter(|goals| goals.leads_away());
-    let letters = letters(frame, edges.len(), notes)?;
-    let drawn = edges
+    let letters = letters(frame, ends.len(), notes)?;
+    let drawn = ends
         .into_iter()
         .zip(letters)
         .enumerate()
@@ -352,12 +401,82 @@ fn drawing(
             letter,
             goal: goals.and_then(|goals| goals.angles[index]),
         });
-    let drawing = Drawing {
+    let mut drawing = Drawing {
         vertices,
         edges: drawn.collect(),
         faces,
     };
-    Ok((drawing, written))
+    let [vertices, edges] = [drawing.vertices.len(), drawing.edges.len()];
+    if !curves.is_empty() {
+        draw_chords(document, frame, &mut drawing, &curves, notes)?;
+    }
+    Ok(FrameDrawing {
+        drawing,
+        written,
+        vertices,
+        edges,
+    })
+}
+
+/// Replaces curves by chords: the first chord keeps the number of the edge, the others come behind all edges. `curves` has
+/// the number of each edge and its control points.
+fn draw_chords(
+    document: &Document,
+    frame: &Frame<'_>,
+    drawing: &mut Drawing,
+    curves: &[(usize, [usize; 2])],
+    notes: &mut Vec<String>,
+) -> Result<(), FileError> {
+    let place = |edge: usize| format!("{}edges_vertices[{edge}]", frame.prefix());
+    let mut chords = Chords::new(&drawing.vertices, Vec::new());
+    // The places between the ends of each curve, by its ends.
+    let mut between: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    for &(edge, controls) in curves {
+        let [from, to] = drawing.edges[edge].ends;
+        let hull = [from, controls[0], controls[1], to];
+        let known = hull.map(|vertex| drawing.vertices.get(vertex).copied());
+        let [Some(a), Some(b), Some(c), Some(d)] = known else {
+            let expected = format!(
+                "vertices from 0 to {}",
+                drawing.vertices.len().saturating_sub(1)
+            );
+            return Err(document.expected(place(edge), &expected, &format!("{hull:?}")));
+        };
+        let curve = Curve([a, b, c, d]);
+        if curve.is_straight(STRAIGHT_RATIO * a.amax().max(d.amax())) {
+            continue;
+        }
+        if drawing.edges[edge].letter.is_hinge() {
+            let found = curve.in_words(|at| [at.x, at.y]);
+            return Err(document.expected(place(edge), STRAIGHT_CREASE, &found));
+        }
+        let Some(places) = chords.of(&curve) else {
+            let expected = format!("curves of at most {MAX_LINES} chords in all");
+            return Err(document.expected(place(edge), &expected, "more"));
+        };
+        let first = drawing.vertices.len();
+        drawing.vertices.extend(&places[1..places.len() - 1]);
+        let inner: Vec<usize> = (first..drawing.vertices.len()).collect();
+        let way = [&[from], &inner[..], &[to]].concat();
+        drawing.edges[edge].ends = [way[0], way[1]];
+        let others = way[1..].windows(2).map(|pair| DrawnEdge {
+            ends: [pair[0], pair[1]],
+            ..drawing.edges[edge]
+        });
+        let others: Vec<DrawnEdge> = others.collect();
+        drawing.edges.extend(others);
+        between.insert([to, from], inner.iter().rev().copied().collect());
+        between.insert([from, to], inner);
+    }
+    for face in drawing.faces.iter_mut().flatten() {
+        let corners = core::mem::take(face);
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            face.push(a);
+            face.extend(between.get(&[a, b]).into_iter().flatten());
+        }
+    }
+    notes.extend(chords.note());
+    Ok(())
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
@@ -401,24 +520,35 @@ pub(super) fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileEr
     Ok((!faces.is_empty()).then_some(faces))
 }
 
+/// The edges of a frame.
+#[derive(Default)]
+pub(super) struct DrawnEnds {
+    /// The ends of each edge.
+    pub(super) ends: Vec<[usize; 2]>,
+    /// The edges that are cubic Bézier curves, with their control points.
+    pub(super) curves: Vec<(usize, [usize; 2])>,
+}
+
+/// Returns the edges of a frame. An edge of two vertices is a line; two more vertices are the control points of a curve.
 pub(super) fn edges(
     document: &Document,
     frame: &Frame<'_>,
     faces: Option<&[Vec<usize>]>,
     notes: &mut Vec<String>,
-) -> Result<Vec<[usize; 2]>, FileError> {
+) -> Result<DrawnEnds, FileError> {
     if let Some(edges) = frame.get("edges_vertices") {
-        let ends = |entry: Located<'_>| {
-            let mut ends = entry.entries()?.map(|end| end.index());
-            if ends.len() == 2
-                && let (Some(a), Some(b)) = (ends.next(), ends.next())
-            {
-                return Ok([a?, b?]);
+        let mut drawn = DrawnEnds::default();
+        for (edge, entry) in edges.entries()?.enumerate() {
+            match indices(&entry)?[..] {
+                [a, b] => drawn.ends.push([a, b]),
+                [a, b, first, second] => {
+                    drawn.ends.push([a, b]);
+                    drawn.curves.push((edge, [first, second]));
+                }
+                _ => return Err(entry.expected("2 vertices, or 4 of a curve")),
             }
-            ends.try_for_each(|end| end.map(drop))?;
-            Err(entry.expected("2 vertices"))
-        };
-        return edges.entries()?.map(ends).collect();
+        }
+        return Ok(drawn);
     }
     let of_edges = ["edges_assignment", "edges_foldAngle", "edges_foldAngles"];
     if let Some(key) = of_edges.into_iter().find(|key| frame.get(key).is_some()) {
@@ -450,7 +580,10 @@ pub(super) fn edges(
     }
     let mut edges: Vec<_> = edges.into_iter().collect();
     edges.sort_by_key(|(_, order)| *order);
-    Ok(edges.into_iter().map(|(ends, _)| ends).collect())
+    Ok(DrawnEnds {
+        ends: edges.into_iter().map(|(ends, _)| ends).collect(),
+        curves: Vec::new(),
+    })
 }
 
 pub(super) fn letters(

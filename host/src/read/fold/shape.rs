@@ -30,7 +30,14 @@ pub fn parse_shape(
         return Err(frame.missing("faces_vertices", "the faces of the shape"));
     };
     let ends = match frame.get("edges_vertices") {
-        Some(_) => edges(&document, &frame, None, &mut notes)?,
+        Some(_) => {
+            let drawn = edges(&document, &frame, None, &mut notes)?;
+            if let Some((edge, _)) = drawn.curves.first() {
+                let place = format!("{}edges_vertices[{edge}]", frame.prefix());
+                return Err(document.expected(place, "2 vertices", "4 of a curve"));
+            }
+            drawn.ends
+        }
         None => Vec::new(),
     };
     let lettered = frame.get("edges_assignment").is_some();
