@@ -32,6 +32,7 @@ impl Document {
                 column: error.column(),
                 // The parser's message repeats the position, which is cut off.
                 message: match error.to_string().split_once(" at line ") {
+                    _ if is_comment(text, error.line(), error.column()) => NO_COMMENTS.into(),
                     Some((message, _)) => message.into(),
                     None => error.to_string(),
                 },
@@ -160,6 +161,25 @@ impl Document {
     }
 }
 
+/// Message about a comment.
+const NO_COMMENTS: &str = "JSON has no comments, expected the file without them";
+
+/// Returns `true` if a comment begins at a position of a text, counted from 1.
+fn is_comment(text: &[u8], line: usize, column: usize) -> bool {
+    let mut lines = text.split(|byte| *byte == b'\n');
+    let line = lines.nth(line.saturating_sub(1)).unwrap_or_default();
+    // The parser may stop at the sign before.
+    let from = column.saturating_sub(2).min(line.len());
+    let rest = line[from..].trim_ascii_start();
+    ["//", "/*", "#"]
+        .iter()
+        .any(|sign| rest.starts_with(sign.as_bytes()))
+        || column > 0
+            && ["//", "/*"]
+                .iter()
+                .any(|sign| line[column.min(line.len()) - 1..].starts_with(sign.as_bytes()))
+}
+
 /// The classes of a frame that matter to this program.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Classes {
@@ -205,6 +225,12 @@ impl<'a> Frames<'a> {
             at = parent;
         }
         frame
+    }
+
+    /// Returns `true` if frame `number` is the frame `parent` or inherits from it.
+    pub(super) fn inherits(&self, number: usize, parent: usize) -> bool {
+        let above = |frame: &usize| *self.parents.get(frame.checked_sub(1)?)?;
+        core::iter::successors(Some(number), above).any(|frame| frame == parent)
     }
 
     /// Returns frame `number` without inherited keys; the key frame is 0. The cost does not depend on the length of its
