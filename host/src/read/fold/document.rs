@@ -168,16 +168,12 @@ const NO_COMMENTS: &str = "JSON has no comments, expected the file without them"
 fn is_comment(text: &[u8], line: usize, column: usize) -> bool {
     let mut lines = text.split(|byte| *byte == b'\n');
     let line = lines.nth(line.saturating_sub(1)).unwrap_or_default();
-    // The parser may stop at the sign before.
-    let from = column.saturating_sub(2).min(line.len());
-    let rest = line[from..].trim_ascii_start();
-    ["//", "/*", "#"]
-        .iter()
-        .any(|sign| rest.starts_with(sign.as_bytes()))
-        || column > 0
-            && ["//", "/*"]
-                .iter()
-                .any(|sign| line[column.min(line.len()) - 1..].starts_with(sign.as_bytes()))
+    // The parser may stop one sign before the comment, or at it.
+    (1..=2).any(|back| {
+        let from = column.saturating_sub(back).min(line.len());
+        let rest = &line[from..];
+        rest.starts_with(b"//") || rest.starts_with(b"/*")
+    })
 }
 
 /// The classes of a frame that matter to this program.
