@@ -106,7 +106,8 @@ fn half_upright_ring(width: f64) -> FoldedShape {
     let ring = [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2]];
     let mut places: Vec<[f64; 2]> = Vec::new();
     let mut named = |place: [f64; 2]| {
-        let known = places.iter().position(|p| *p == place);
+        let bits = place.map(f64::to_bits);
+        let known = places.iter().position(|p| p.map(f64::to_bits) == bits);
         known.unwrap_or_else(|| {
             places.push(place);
             places.len() - 1
