@@ -25,6 +25,9 @@ pub struct ReadOptions {
     pub straighten: Straighten,
     /// Unit of lengths, for a file that names none.
     pub unit: Option<Unit>,
+    /// Frame of a FOLD file with the pattern; the key frame is 0. Without it, the first frame of class `creasePattern` is
+    /// read, or else the key frame.
+    pub frame: Option<usize>,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
     /// Letter of the dashed lines of an SVG drawing. Without it, a dashed line has the letter of its colour.
@@ -72,6 +75,10 @@ impl ReadOptions {
                 let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
+        }
+        if self.frame.is_some() && format != Format::Fold {
+            let expected = "a FOLD file, which has frames";
+            return wrong("the frame", expected, format.described());
         }
         if !self.colours.is_empty() && format != Format::Svg {
             let expected = "an SVG drawing, whose lines have colours";

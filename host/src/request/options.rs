@@ -166,6 +166,12 @@ options! {
         /// straightened. Notes tell how many vertices are moved, and by how much.
         straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN";
 
+        /// Frame of a FOLD file with the crease pattern; the key frame is 0
+        ///
+        /// By default it is the first frame of class creasePattern, or else the key frame. A note names other frames that
+        /// have a crease pattern. Goals come only from folded frames that inherit from the frame.
+        frame: Option<usize> = None, heading: "Drawing", value_name: "I";
+
         /// Unit of the lengths of a file that names none
         ///
         /// A unit that differs from that of the file is an error. Places, lengths, paths and models have the unit of the file.
@@ -205,6 +211,9 @@ options! {
 
         /// With svg: meaning of the colours
         colour: Colour = Colour::Letters;
+
+        /// With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
+        numbers: bool = false;
     }
 }
 

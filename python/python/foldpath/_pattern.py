@@ -110,6 +110,7 @@ def read(
     *,
     tolerance: float | None = None,
     straighten: Literal["auto", "on", "off"] = "auto",
+    frame: int | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
     dashes: Literal["V", "M", "F", "U"] | None = None,
@@ -127,6 +128,9 @@ def read(
     - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
       do. No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn
       are straightened. Notes tell how many vertices are moved, and by how much
+    - ``frame``: Frame of a FOLD file with the crease pattern; the key frame is 0. By default it is the first frame of
+      class creasePattern, or else the key frame. A note names other frames that have a crease pattern. Goals come
+      only from folded frames that inherit from the frame
     - ``unit``: Unit of the lengths of a file that names none. A unit that differs from that of the file is an error.
       Places, lengths, paths and models have the unit of the file
     - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS

@@ -23,6 +23,7 @@ mod fold_spec;
 mod image;
 mod meshes;
 mod networks;
+mod open_shapes;
 mod oracle;
 mod physics;
 mod plans;

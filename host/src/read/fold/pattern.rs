@@ -1,5 +1,6 @@
 //! Reads the flat crease pattern of a FOLD file and its goal fold angles.
 
+use core::f64::consts::PI;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -43,13 +44,33 @@ pub(in crate::read) fn parse_within(
 ) -> Result<PatternFile, FileError> {
     let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
-    let flat = flat_frame(&frames);
+    let flat = flat_frame(document, &frames, options.frame)?;
     let frame = frames.get(flat);
-    let angles = goal_angles(&frames, &frame)?;
-    if options.tolerance.is_some() {
-        return repaired(document, &frame, angles.as_ref(), options, watch);
+    let angles = goal_angles(&frames, &frame, options.frame)?;
+    let mut file = with_repairs(document, &frames, flat, angles.as_ref(), options, watch)?;
+    if let Some(note) = angles.as_ref().and_then(Goals::looks_like_radians) {
+        file.pattern.assume(note);
     }
-    let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
+    if let Some(note) = other_patterns(&frames, flat) {
+        file.pattern.assume(note);
+    }
+    Ok(file)
+}
+
+/// Parses the pattern of frame number `flat`, and repairs its edges if they form no crease pattern.
+fn with_repairs(
+    document: &Document,
+    frames: &Frames<'_>,
+    flat: usize,
+    angles: Option<&Goals>,
+    options: &ReadOptions,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
+    let frame = frames.get(flat);
+    if options.tolerance.is_some() {
+        return repaired(document, &frame, angles, options, watch);
+    }
+    let mut file = match pattern_of(document, &frame, angles, watch) {
         Ok(file) => file,
         Err(error) => {
             let repairable = matches!(
@@ -67,7 +88,7 @@ pub(in crate::read) fn parse_within(
                 return Err(error);
             }
             // A crease that ends in a panel may be a piece of one; left out, it would be better named.
-            let repaired = repaired(document, &frame, angles.as_ref(), options, watch);
+            let repaired = repaired(document, &frame, angles, options, watch);
             let is_whole = |file: &PatternFile| {
                 let source = match &error {
                     FileError::Pattern { source, .. } => Some(source),
@@ -80,7 +101,7 @@ pub(in crate::read) fn parse_within(
         }
     };
     if angles.is_none() {
-        match measured(&frames, Some(flat), &file.pattern) {
+        match measured(frames, Some(flat), &file.pattern) {
             Ok(Some(goals)) if goals.leads_away() => {
                 file = pattern_of(document, &frame, Some(&goals), watch)?;
                 let note = format!("the goal is measured on {}vertices_coords", goals.frame);
@@ -161,7 +182,7 @@ pub fn parse_goal(
 ) -> Result<Vec<Option<f64>>, FileError> {
     let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
-    let goals = match goal_angles(&frames, &document.key_frame())? {
+    let goals = match goal_angles(&frames, &document.key_frame(), None)? {
         None => measured(&frames, None, pattern)?,
         goals => goals,
     };
@@ -192,17 +213,24 @@ pub(super) fn pattern_of(
     let unit = unit(frame, &mut notes)?;
     let drawn = drawing(document, frame, goals, &mut notes)?;
     let coordinates = drawn.coordinates();
-    let mut pattern =
-        CreasePattern::watched(drawn.drawing, watch).map_err(|source| match (&source, goals) {
-            (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
-                goals.place_of(document, source)
-            }
-            _ => FileError::Pattern {
-                path: document.path.clone(),
-                frame: frame.prefix_of(&source.to_string()),
-                source,
-            },
-        })?;
+    // The numbers of chords are those of all edges.
+    let doubles = without_doubles(&drawn.drawing).filter(|_| coordinates.is_none());
+    let repaired = doubles.and_then(|(drawing, note)| {
+        let pattern = CreasePattern::watched(drawing, watch).ok()?;
+        notes.push(note);
+        Some(pattern)
+    });
+    let pattern = repaired.map_or_else(|| CreasePattern::watched(drawn.drawing, watch), Ok);
+    let mut pattern = pattern.map_err(|source| match (&source, goals) {
+        (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
+            goals.place_of(document, source)
+        }
+        _ => FileError::Pattern {
+            path: document.path.clone(),
+            frame: frame.prefix_of(&source.to_string()),
+            source,
+        },
+    })?;
     for note in notes {
         pattern.assume(note);
     }
@@ -231,11 +259,88 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
     }
 }
 
-/// Returns the number of the frame with the flat sheet: the first frame of class `creasePattern`, or else the key
-/// frame.
-fn flat_frame(frames: &Frames<'_>) -> usize {
-    let first = frames.classes.iter().position(|it| it.crease_pattern);
-    first.unwrap_or(0)
+/// Returns a drawing with faces without the edges that join the same vertices as an edge before them, and a note; `None` if
+/// there are none. The edge whose letter comes
+/// first in this order stays: cut, M or V, U, border, F, others. Without faces such edges are repaired as the lines of a drawing.
+fn without_doubles(drawing: &Drawing) -> Option<(Drawing, String)> {
+    let faces = drawing.faces.clone()?;
+    let rank = |letter: Letter| match letter {
+        Letter::Cut => 0,
+        Letter::Mountain | Letter::Valley => 1,
+        Letter::Unassigned => 2,
+        Letter::Boundary => 3,
+        Letter::Flat => 4,
+        Letter::Join | Letter::Bend => 5,
+    };
+    let (mut first_at, mut first_double) = (HashMap::new(), None);
+    let mut kept: Vec<DrawnEdge> = Vec::with_capacity(drawing.edges.len());
+    for (index, edge) in drawing.edges.iter().enumerate() {
+        let [a, b] = edge.ends;
+        let at = *first_at.entry([a.min(b), a.max(b)]).or_insert(kept.len());
+        match kept.get_mut(at) {
+            None => kept.push(*edge),
+            Some(first) => {
+                first_double.get_or_insert(index);
+                if rank(edge.letter) < rank(first.letter) {
+                    *first = *edge;
+                }
+            }
+        }
+    }
+    let first = first_double?;
+    let left_out = drawing.edges.len() - kept.len();
+    let note = format!(
+        "edges that join the same vertices as an edge before, left out: {left_out} (first: edge {first}); edges are \
+         counted anew"
+    );
+    let kept = Drawing {
+        vertices: drawing.vertices.clone(),
+        edges: kept,
+        faces: Some(faces),
+    };
+    Some((kept, note))
+}
+
+/// Returns the number of the frame with the flat sheet: the `chosen` one, or else the first frame of class
+/// `creasePattern`, or else the key frame.
+fn flat_frame(
+    document: &Document,
+    frames: &Frames<'_>,
+    chosen: Option<usize>,
+) -> Result<usize, FileError> {
+    match chosen {
+        Some(number) if number > frames.len() => {
+            let place = format!("file_frames[{}]", number - 1);
+            Err(document.expected(place, "a frame", "none"))
+        }
+        Some(number) => Ok(number),
+        None => {
+            let first = frames.classes.iter().position(|it| it.crease_pattern);
+            Ok(first.unwrap_or(0))
+        }
+    }
+}
+
+/// Returns a note of the frames that have crease patterns of their own, other than the one that is read.
+fn other_patterns(frames: &Frames<'_>, flat: usize) -> Option<String> {
+    let is_pattern = |number: &usize| {
+        let frame = frames.own(*number);
+        let drawn = ["vertices_coords", "edges_vertices", "faces_vertices"];
+        !frames.inherits(flat, *number)
+            && !frames.classes[*number].folded_form
+            && drawn[1..].iter().any(|key| frame.own(key).is_some())
+            && frame.own(drawn[0]).is_some()
+    };
+    let others: Vec<String> = (0..=frames.len())
+        .filter(is_pattern)
+        .map(|number| number.to_string())
+        .collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "frame {flat} is read; the file has other crease patterns, frames counted from 0, the key frame: {}",
+            others.join(", ")
+        )
+    })
 }
 
 /// Goal angles of all edges.
@@ -261,6 +366,23 @@ impl Goals {
         Err(document.expected(place, &expected, &self.angles.len().to_string()))
     }
 
+    /// Returns a note if the angles look as if they were radians: all are within half a turn in radians, and one is a
+    /// twelfth of it or a multiple.
+    fn looks_like_radians(&self) -> Option<String> {
+        let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
+        let largest = angles.clone().map(f64::abs).fold(0.0, f64::max);
+        let is_fraction = |angle: f64| {
+            let twelfths = 12.0 * angle / PI;
+            angle.abs() > 0.0 && (twelfths - twelfths.round()).abs() < 1e-3
+        };
+        (largest <= PI + 1e-3 && angles.clone().any(is_fraction)).then(|| {
+            format!(
+                "fold angles up to {largest:.6} look like radians: FOLD has degrees, 180 for a fold onto itself, and they \
+                 are read as degrees"
+            )
+        })
+    }
+
     fn place_of(&self, document: &Document, source: PatternError) -> FileError {
         FileError::Pattern {
             path: document.path.clone(),
@@ -271,10 +393,18 @@ impl Goals {
 }
 
 /// Returns the goal of the last folded frame that names a goal other than zeros, or else the goal of the flat frame. If
-/// all of these goals are zeros, returns the first of them found.
-fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
+/// all of these goals are zeros, returns the first of them found. If the flat frame was `chosen`, only frames that inherit
+/// from it count.
+fn goal_angles(
+    frames: &Frames<'_>,
+    flat: &Frame<'_>,
+    chosen: Option<usize>,
+) -> Result<Option<Goals>, FileError> {
     let latest_first = (1..=frames.len()).rev().chain([0]);
-    let folded = latest_first.filter(|&number| frames.classes[number].folded_form);
+    let folded = latest_first.filter(|&number| {
+        let of_sheet = chosen.is_none_or(|chosen| frames.inherits(number, chosen));
+        frames.classes[number].folded_form && of_sheet
+    });
     let folded = folded.map(|number| goals(&frames.own(number)));
     let mut zeros = None;
     for found in folded.chain(core::iter::once_with(|| goals(flat))) {
