@@ -125,7 +125,12 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             along / norm
         };
         for ((stand, begin), rate) in stand.iter_mut().zip(begin).zip(&rates) {
-            let fitted = *begin + *rate * time;
+            // A sum with 0 would lose the sign of 0.
+            let fitted = if time.is_zero() {
+                *begin
+            } else {
+                *begin + *rate * time
+            };
             if (*stand - fitted).abs() <= error {
                 *stand = fitted;
             }

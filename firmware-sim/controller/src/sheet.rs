@@ -10,7 +10,9 @@ use foldpath_core::acceptance::SheetView;
 use foldpath_core::follower::Hinge;
 use foldpath_core::wire::message::{ItemRefusal, SheetHead};
 use foldpath_core::wire::path;
-use foldpath_core::{GroupLimits, Interpolation, Membership, Spoke, StarsView, checksum_on};
+use foldpath_core::{
+    GroupId, GroupLimits, Interpolation, Membership, Spoke, StarsView, checksum_on,
+};
 use heapless::Vec;
 
 use crate::controller::Settings;
@@ -256,7 +258,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     ) -> impl ExactSizeIterator<Item = Driven<'_>> {
         let end = hinges.end.min(self.driven.len());
         let some = self.driven.get(hinges.start..end).unwrap_or(&[]);
-        some.iter().map(Driven)
+        some.iter().map(|code| Driven(code, code.get()))
     }
 
     /// Returns the number of driven hinges that were measured.
@@ -283,18 +285,22 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     }
 }
 
-/// A hinge that is driven.
-pub(crate) struct Driven<'a>(&'a Cell<u16>);
+/// A hinge that is driven, and its code.
+pub(crate) struct Driven<'a>(&'a Cell<u16>, u16);
 
 impl Hinge for Driven<'_> {
     #[inline]
     fn membership(&self) -> Membership {
-        Membership::from_code((self.0.get() & !(HEARD | HEARD_BEFORE)).into())
+        // As `Membership::from_code` does, without the bits above.
+        Membership {
+            group: GroupId(u32::from(self.1) >> 1 & 0x1fff),
+            negative: self.1 & 1 == 1,
+        }
     }
 
     #[inline]
     fn heard(&self) {
-        self.0.set(self.0.get() | HEARD);
+        self.0.set(self.1 | HEARD);
     }
 }
 
