@@ -124,6 +124,14 @@ impl Family {
             large: false,
             seams: false,
         },
+        Self {
+            name: "windows",
+            draw: meshes::windows,
+            varied: false,
+            real: true,
+            large: false,
+            seams: false,
+        },
     ];
 
     const fn plain(name: &'static str, draw: fn(&mut Random) -> Drawing) -> Self {

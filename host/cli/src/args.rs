@@ -52,16 +52,19 @@ pub(crate) enum Command {
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
     /// Faces are laid flat across their edges, all with the same side up: the side from which the vertices of most
-    /// faces run counter-clockwise, or the side for which the file's letters are written. A plain sheet is never cut. A
-    /// shape without a boundary, or a ring that cannot lie in a plane, is cut along edges. If a shape has a boundary
-    /// and the angles round an inner vertex do not sum to 360 degrees, the answer is no.
+    /// faces run counter-clockwise, or the side for which the file's letters are written. A plain sheet is never cut.
+    /// Other shapes are cut along edges: those without a boundary, rings that cannot lie in a plane, and shapes with
+    /// corners, vertices inside the sheet round which the angles do not sum to 360 degrees. From each corner a cut goes to
+    /// the boundary, and the cuts are as short as is found. If the sheet overlaps itself however it is cut, it is cut into
+    /// pieces.
     ///
     /// The sign of a fold by 180 degrees cannot be measured. Such a fold gets the sign of the file's letter or angle;
     /// without one it becomes a valley, and a note says so. An edge without a letter gets the letter F if it is flat to
     /// within 6e-6 degrees, or to within four times the largest angle defect that --max-defect accepts.
     Unfold(Unfold),
-    /// Write one self-contained page that shows a path
-    #[command(after_help = examples(["view path.fold -o path.html", "view gentle.fold -o gentle.html"]))]
+    /// Write one self-contained page that shows a path, or a crease pattern with the numbers of its edges
+    #[command(after_help = examples(["view path.fold -o path.html", "view miura.fold -o miura.html"]))]
+    #[command(mut_arg("path", |path| path.help("Path, a FOLD animation; or any crease pattern")))]
     #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
     View(Shown),
     /// Draw curves of fold angles, errors and clearance along a path
@@ -146,6 +149,16 @@ pub(crate) struct Info {
     pub(crate) report: Report,
 }
 
+/// Shapes that `unfold` cuts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Cut {
+    /// Those that no plane holds whole
+    #[default]
+    Auto,
+    /// None
+    None,
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = examples([
     "unfold path.fold -o unfolded.fold",
@@ -164,9 +177,13 @@ pub(crate) struct Unfold {
     pub(crate) frame: Option<usize>,
     /// Largest error of the shape that is taken for noise, degrees
     ///
-    /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane.
+    /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane. Defects that the rounding
+    /// of the file's coordinates explains, by their digits, are taken for noise as well.
     #[arg(long, default_value_t = 0.01, value_name = "DEG")]
     pub(crate) max_defect: f64,
+    /// Which shapes are cut so that they lie flat
+    #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
+    pub(crate) cut: Cut,
     #[command(flatten)]
     pub(crate) report: Report,
 }

@@ -9,13 +9,14 @@ use foldpath::pattern::PatternError;
 use foldpath::planner::{GoalError, Note};
 use foldpath::read::FileError;
 use foldpath::request::RequestError;
+use foldpath::unfold::{Reason, ShapeError};
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
-        CliError::Request(RequestError::Goal { source, .. }) => of_goal(source),
+        CliError::Request(RequestError::Goal { source, file }) => of_goal(source, file),
         CliError::Request(RequestError::Option { hint, .. }) => hint.clone(),
         _ => None,
     }
@@ -33,6 +34,32 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Returns a hint on which option unfolds a shape, if there is one.
+pub(crate) fn of_unfolding(reason: &Reason) -> Option<String> {
+    match *reason {
+        Reason::AngleDefect { defect, .. } if defect.abs() <= MAX_NOISE_RAD => {
+            Some(max_defect_for(defect))
+        }
+        Reason::AngleDefect { .. } | Reason::RingStaysOpen { .. } => {
+            Some("`--cut auto` cuts it".into())
+        }
+        _ => None,
+    }
+}
+
+/// Largest error of a shape (radians) for which a hint names `--max-defect`: 1 degree. Larger errors are no noise.
+const MAX_NOISE_RAD: f64 = core::f64::consts::PI / 180.0;
+
+/// Returns the hint that names the least `--max-defect` that takes an error (radians) for noise, to two digits.
+fn max_defect_for(error: f64) -> String {
+    let degrees = error.abs().to_degrees();
+    let unit = 10_f64.powf(degrees.log10().floor() - 1.0);
+    let enough = (degrees / unit).floor() + 1.0;
+    // Written and read again, as `enough * unit` may have many digits.
+    let most: f64 = format!("{:.1e}", enough * unit).parse().unwrap_or(degrees);
+    format!("`--max-defect {most}` takes that for noise")
 }
 
 fn of_file(error: &FileError) -> Option<String> {
@@ -55,6 +82,11 @@ fn of_file(error: &FileError) -> Option<String> {
             ));
         }
         FileError::Expected { place, .. } if place == "the file" => return of_content(path),
+        FileError::Expected { place, found, .. }
+            if place == "vertices_coords" && found == "nothing" && ending(path) == "ori" =>
+        {
+            ORIEDITA
+        }
         FileError::Expected { place, found, .. } if place == "file_frames" && found == "none" => {
             let path = argument(path).display();
             return Some(format!(
@@ -68,6 +100,10 @@ fn of_file(error: &FileError) -> Option<String> {
             "`--frames N` takes fewer frames"
         }
         FileError::Pattern { source, .. } => of_pattern(source)?,
+        FileError::Shape {
+            source: ShapeError::NotFlat { slope, .. },
+            ..
+        } if *slope <= MAX_NOISE_RAD => return Some(max_defect_for(*slope)),
         _ => return None,
     };
     Some(text.into())
@@ -90,8 +126,12 @@ fn of_pattern(error: &PatternError) -> Option<&'static str> {
     }
 }
 
-fn of_goal(error: &GoalError) -> Option<String> {
+fn of_goal(error: &GoalError, file: &str) -> Option<String> {
     let text = match error {
+        GoalError::NoDirection if file.to_lowercase().ends_with(".svg") => {
+            "draw creases in the colours of M and V, or take dashed lines for them (`--dashes V`); or say where to go: \
+             `--goal FILE`, or `--crease I=DEG` for one crease"
+        }
         GoalError::NoDirection => {
             "letter creases M or V, or say where to go: `--goal FILE`, or `--crease I=DEG` for one crease"
         }
@@ -121,23 +161,40 @@ fn head(path: &Path) -> Option<String> {
     Some(first.into())
 }
 
+/// Hint for a file of Oriedita.
+const ORIEDITA: &str = "it seems to be a file of Oriedita: export the drawing as CP or FOLD, with a name in .cp or .fold";
+
+/// Returns the ending of a file's name, in small letters.
+fn ending(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default();
+    ending.to_string_lossy().to_ascii_lowercase()
+}
+
 /// Returns a hint on the format that a file seems to have if it is no FOLD file.
 fn of_content(path: &Path) -> Option<String> {
     let first = head(path)?;
     let words = first.split_whitespace();
     let numbers = words.filter(|word| word.parse::<f64>().is_ok()).count();
-    let ending = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
-    let text = if first.starts_with("FPTJ") {
+    let ending = ending(path);
+    let text = if ending == "ori" {
+        ORIEDITA
+    } else if ending == "orh" {
+        "it seems to be a file of Orihime or Oriedita: export the drawing as CP or FOLD, with a name in .cp or .fold"
+    } else if ending == "dxf" {
+        "DXF is not read: export the drawing as SVG, with a name in .svg"
+    } else if matches!(ending.as_str(), "pdf" | "ai" | "eps") {
+        "only lines in SVG are read: export the drawing as SVG, with a name in .svg"
+    } else if ending == "tmd5" || first == "tree" {
+        "it seems to be a file of TreeMaker: export its crease pattern as FOLD or SVG"
+    } else if ending == "ply" || first == "ply" {
+        "PLY is not read: export the shape as OBJ or STL, of which `foldpath unfold` makes a crease pattern"
+    } else if first.starts_with("FPTJ") {
         "it is a path for a controller, made of a FOLD file: `foldpath stream` sends it"
     } else if first.starts_with('<') {
         "it seems to be a drawing in XML: its name has to end in .svg, or in .opx if ORIPA wrote it"
     } else if first.starts_with("v ") && numbers >= 3 {
         "it seems to be an OBJ file, a folded shape: `foldpath unfold` makes a crease pattern of one"
-    } else if ending == "stl" || first.starts_with("solid ") {
+    } else if ending == "stl" || first.to_ascii_lowercase().starts_with("solid ") {
         "it seems to be an STL file, a folded shape: `foldpath unfold` makes a crease pattern of one"
     } else if numbers == 5 {
         "it seems to be a CP drawing: its name has to end in .cp"

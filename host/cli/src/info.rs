@@ -42,8 +42,13 @@ fn summary(file: &PatternFile, info: &PatternInfo) -> String {
     let letters = letters.collect::<Vec<_>>().join(", ");
     let goal = match info.closure_goal {
         None if info.letters.keys().any(|code| "MV".contains(*code)) => {
-            "not for every crease: plan folds to what is named, or else along the letters"
-                .to_string()
+            let hinges = file.pattern.creases().iter();
+            let mut goals = hinges.map(|&edge| file.pattern.edge(edge).goal);
+            match goals.any(|goal| goal.is_some()) {
+                true => "not for every crease: plan folds to what is named",
+                false => "no angles: plan folds along the letters",
+            }
+            .to_string()
         }
         None => "none, and no letters that say a way".to_string(),
         Some(closure) if closure <= CLOSED => format!("closes (residual {closure:.1e})"),

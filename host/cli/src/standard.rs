@@ -172,6 +172,21 @@ impl Input {
         })
     }
 
+    /// Returns `true` if the error of reading a motion is that the file is none, as a crease pattern is, rather than that the
+    /// motion is wrong.
+    pub(crate) fn has_no_path(&self, error: &CliError) -> bool {
+        let error = match error {
+            CliError::File(error) => error,
+            CliError::Piped { error, .. } => error,
+            _ => return false,
+        };
+        let no_frames = matches!(
+            error,
+            FileError::Expected { place, found, .. } if place == "file_frames" && found == "none"
+        );
+        no_frames || self.format() != Format::Fold
+    }
+
     /// Reads a motion.
     ///
     /// # Errors

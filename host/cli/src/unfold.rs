@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use crate::args::Unfold;
+use crate::args::{Cut, Unfold};
+use crate::hints;
 use crate::output::write_whole_with;
 use crate::standard::{Input, print_summary, shown};
 use crate::{Answer, CliError, check_output, print_json, print_notes};
 use foldpath::export::fold::write_pattern;
 use foldpath::read::FileError;
-use foldpath::unfold::{Outcome, UnfoldOptions, Unfolding, unfold};
+use foldpath::unfold::{self, Outcome, UnfoldOptions, Unfolding, unfold};
 
 #[derive(Serialize)]
 struct UnfoldJson {
@@ -33,7 +34,13 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     check_output("-o", &args.output, [&args.shape])?;
     let input = Input::of(&args.shape)?;
     let file = input.shape(args.frame)?;
-    let options = UnfoldOptions::default().with(|it| it.max_defect = degrees.to_radians());
+    let options = UnfoldOptions::default().with(|it| {
+        it.max_defect = degrees.to_radians();
+        it.cut = match args.cut {
+            Cut::Auto => unfold::Cut::Auto,
+            Cut::None => unfold::Cut::None,
+        };
+    });
     let unfolding = unfold(&file.shape, &options).map_err(|source| FileError::Shape {
         path: input.name.clone(),
         source,
@@ -54,7 +61,7 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     if args.report.json {
         print_json(&UnfoldJson {
             outcome: unfolding.outcome.name(),
-            reason: unfolding.reason.map(|reason| reason.to_string()),
+            reason: reason(&unfolding),
             vertices: unfolding.vertices,
             faces: unfolding.faces,
             creases: unfolding.creases,
@@ -70,9 +77,18 @@ pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
     Ok(unfolding.outcome == Outcome::Unfolded)
 }
 
+/// Returns the reason why there is no pattern, with the option that would help if there is one.
+fn reason(unfolding: &Unfolding) -> Option<String> {
+    let reason = unfolding.reason.as_ref()?;
+    Some(match hints::of_unfolding(reason) {
+        Some(hint) => format!("{reason}; {hint}"),
+        None => reason.to_string(),
+    })
+}
+
 fn summary(args: &Unfold, title: &str, unfolding: &Unfolding) -> String {
     let mut text = format!("{title}: {}\n", unfolding.outcome.name().replace('_', " "));
-    if let Some(reason) = &unfolding.reason {
+    if let Some(reason) = reason(unfolding) {
         text += &format!("  reason       {reason}\n");
     }
     text += &format!(

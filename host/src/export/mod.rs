@@ -70,6 +70,8 @@ pub struct ExportOptions {
     pub frames: Option<usize>,
     /// Meaning of the colours of a drawing.
     pub colour: svg_pattern::Colour,
+    /// Draws the numbers of the edges.
+    pub numbers: bool,
 }
 
 crate::util::changed_one_by_one!(ExportOptions);
@@ -175,7 +177,7 @@ pub const FORMATS: &[Format] = &[
         name: "svg",
         text: "Coloured drawing of the crease pattern",
         place: Place::File,
-        options: &["colour"],
+        options: &["colour", "numbers"],
         needs: |options| options.colour.needs(),
         make: svg_pattern::made,
     },

@@ -28,6 +28,9 @@ const LEGEND_UNITS: f64 = 260.0;
 const ROW_UNITS: f64 = 20.0;
 /// Largest number of groups that a legend names.
 const MAX_NAMED_GROUPS: usize = 40;
+/// Largest height of the number of an edge, in units of the drawing, and as a fraction of the edge.
+const NUMBER_UNITS: f64 = 13.0;
+const NUMBER_RATIO: f64 = 0.3;
 /// Number of steps of a colour bar.
 const COLOUR_STEPS: u32 = 50;
 
@@ -62,31 +65,34 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
         Source::Motion(motion) => &*motion.pattern,
         Source::Pattern(_, pattern) => pattern,
     };
-    let (text, told) = match (export.options.colour, export.source) {
+    let (mut sheet, told) = match (export.options.colour, export.source) {
         (Colour::Letters, _) => {
             let told = format!("{} edges by letters", pattern.edges().len());
-            (by_letters(title, pattern), told)
+            (lettered(title, pattern), told)
         }
         (Colour::Groups, Source::Motion(motion)) if motion.naming != GroupNaming::Unnamed => {
             let ranges = ranges(motion);
-            let text = by_groups(title, pattern, motion.named_members(), &ranges);
-            (text, format!("{} crease groups of the path", ranges.len()))
+            let sheet = by_groups(title, pattern, motion.named_members(), &ranges);
+            (sheet, format!("{} crease groups of the path", ranges.len()))
         }
         (Colour::Groups, _) => {
             let (members, ranges) = found_groups(pattern);
-            let text = by_groups(title, pattern, &members, &ranges);
+            let sheet = by_groups(title, pattern, &members, &ranges);
             (
-                text,
+                sheet,
                 format!("{} crease groups of the pattern", ranges.len()),
             )
         }
         (Colour::Deformation, _) => {
             let faces = deformation_of_faces(export.motion()?);
-            let text = by_deformation(title, pattern, &faces);
-            (text, format!("{} faces by deformation", faces.len()))
+            let sheet = by_deformation(title, pattern, &faces);
+            (sheet, format!("{} faces by deformation", faces.len()))
         }
     };
-    sink("", text.into_bytes())?;
+    if export.options.numbers {
+        sheet.number_edges();
+    }
+    sink("", sheet.end().into_bytes())?;
     Ok(Made::told(told))
 }
 
@@ -125,9 +131,22 @@ fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     ends.unwrap_or_default()
 }
 
-/// Draws the pattern coloured by its letters, with its goal angles as opacity.
+/// Returns a drawing of the pattern coloured by its letters, with the numbers of its edges.
+#[must_use]
+pub fn numbered(title: &str, pattern: &CreasePattern) -> String {
+    let mut sheet = lettered(title, pattern);
+    sheet.number_edges();
+    sheet.end()
+}
+
+/// Returns a drawing of the pattern coloured by its letters, with its goal angles as opacity.
 #[must_use]
 pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
+    lettered(title, pattern).end()
+}
+
+/// Draws the pattern coloured by its letters, with its goal angles as opacity.
+fn lettered<'a>(title: &str, pattern: &'a CreasePattern) -> Sheet<'a> {
     let mut sheet = Sheet::new(title, pattern, 0.0);
     for edge in pattern.edges() {
         let colour = match edge.letter {
@@ -145,19 +164,18 @@ pub fn by_letters(title: &str, pattern: &CreasePattern) -> String {
         });
         sheet.line(edge, colour, &opacity);
     }
-    sheet.end()
+    sheet
 }
 
 /// Draws the pattern with a colour for each crease group. Creases that turn against their group are dashed, and a
 /// legend lists the range of fold angles (radians) of each group in `ranges`. `members` has the group and sign of each
 /// edge.
-#[must_use]
-pub fn by_groups(
+fn by_groups<'a>(
     title: &str,
-    pattern: &CreasePattern,
+    pattern: &'a CreasePattern,
     members: &[Option<Membership>],
     ranges: &[[f64; 2]],
-) -> String {
+) -> Sheet<'a> {
     let mut sheet = Sheet::new(title, pattern, LEGEND_UNITS);
     let dashes = " stroke-dasharray=\"6 4\"";
     for (edge, member) in pattern.edges().iter().zip(members) {
@@ -179,12 +197,11 @@ pub fn by_groups(
     if ranges.len() > MAX_NAMED_GROUPS {
         sheet.say(&format!("and {} more", ranges.len() - MAX_NAMED_GROUPS));
     }
-    sheet.end()
+    sheet
 }
 
 /// Draws the pattern with each face coloured by its deformation in `of_faces` (0 or more), and a colour bar.
-#[must_use]
-pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) -> String {
+fn by_deformation<'a>(title: &str, pattern: &'a CreasePattern, of_faces: &[f64]) -> Sheet<'a> {
     let mut sheet = Sheet::new(title, pattern, LEGEND_UNITS);
     let most = of_faces.iter().copied().fold(0.0, f64::max);
     let part = |value: f64| if most > 0.0 { value / most } else { 0.0 };
@@ -205,7 +222,7 @@ pub fn by_deformation(title: &str, pattern: &CreasePattern, of_faces: &[f64]) ->
     sheet.say("diagonal: change of length over length");
     sheet.bar();
     sheet.say(&format!("from 0 to {most:.2e}"));
-    sheet.end()
+    sheet
 }
 
 /// An SVG drawing under construction.
@@ -263,6 +280,22 @@ impl<'a> Sheet<'a> {
         self.add(&format!(
             "<path d=\"M{from}L{to}\" stroke=\"{colour}\"{more}/>"
         ));
+    }
+
+    /// Writes the number of each edge at its middle.
+    fn number_edges(&mut self) {
+        for (index, edge) in self.pattern.edges().iter().enumerate() {
+            let [from, to] = edge.ends.map(|end| self.pattern.vertices()[end.index()]);
+            let place = self.place((from + to) / 2.0);
+            let (x, y) = place.split_once(',').unwrap_or_default();
+            let height = single((NUMBER_RATIO * self.scale * (to - from).norm()).min(NUMBER_UNITS));
+            // Writing to memory cannot fail.
+            let _complete = writeln!(
+                self.texts,
+                "<text x=\"{x}\" y=\"{y}\" font-size=\"{height}\" text-anchor=\"middle\" \
+                 dominant-baseline=\"central\">{index}</text>"
+            );
+        }
     }
 
     /// Adds a row of text to the legend.

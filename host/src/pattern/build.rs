@@ -10,7 +10,8 @@ use super::split::{EdgeFaces, split};
 use super::trace::area;
 use super::triangulate::triangulate;
 use super::{
-    CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, planarity, trace,
+    CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, nesting,
+    planarity, trace,
 };
 use crate::util::csr::{Csr, group_by_key};
 use crate::util::nan_max::median;
@@ -32,15 +33,21 @@ impl CreasePattern {
         let places = checked_places(&drawing, &mut assumptions);
         planarity::check(&drawing, &places, watch)?;
         let mut stars = sorted_stars(&drawing);
-        let traced = drawing.faces.is_none();
-        let mut faces = counter_clockwise_faces(&mut drawing, &stars)?;
-        let mut edge_faces = edge_faces(&drawing, &stars, &faces, &places)?;
-        if traced {
-            part_two_faces(&stars, &drawing.edges, &edge_faces)?;
+        if lacks_inner_boundaries(&drawing, &stars, &places, watch)? {
+            drawing.faces = None;
+            assumptions.push(
+                "faces_vertices has no place for inner boundaries: faces taken from the edges"
+                    .into(),
+            );
         }
+        let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
+        let mut faces = counter_clockwise_faces(&mut drawing, &stars, &mut assumptions, watch)?;
+        if drawing.edges.len() > drawn {
+            stars = sorted_stars(&drawing);
+        }
+        let mut edge_faces = edge_faces(&drawing, &stars, &faces, &places)?;
         order_twins(&drawing, &mut stars, &edge_faces);
         check_stars(&drawing, &stars, &edge_faces)?;
-        let (drawn, vertices) = (drawing.edges.len(), drawing.vertices.len());
         let slits = split(&mut drawing, &mut faces, &mut edge_faces, &mut assumptions);
         if drawing.vertices.len() > vertices {
             stars = sorted_stars(&drawing);
@@ -235,13 +242,15 @@ fn turn(direction: Vector2<f64>) -> f64 {
 fn counter_clockwise_faces(
     drawing: &mut Drawing,
     stars: &Csr<EdgeId>,
+    assumptions: &mut Vec<String>,
+    watch: Watch<'_>,
 ) -> Result<Csr<VertexId>, PatternError> {
     let mut faces = match drawing.faces.take() {
         Some(faces) => {
             let faces = faces.into_iter();
             faces.map(|f| f.into_iter().map(VertexId::new)).collect()
         }
-        None => trace::faces(drawing, stars),
+        None => trace::faces(drawing, stars, assumptions, watch)?,
     };
     if faces.is_empty() {
         return Err(PatternError::TooFew {
@@ -261,6 +270,57 @@ fn counter_clockwise_faces(
         }
     }
     Ok(faces)
+}
+
+/// Returns `true` if a drawing names faces that cannot be all of them: a face that goes along an edge twice to an inner
+/// boundary, or a face in which other edges lie. Vertices that share a place say that the sheet is cut, and its faces are
+/// taken as they are.
+fn lacks_inner_boundaries(
+    drawing: &Drawing,
+    stars: &Csr<EdgeId>,
+    places: &[usize],
+    watch: Watch<'_>,
+) -> Result<bool, PatternError> {
+    let Some(faces) = &drawing.faces else {
+        return Ok(false);
+    };
+    if places.iter().enumerate().any(|(vertex, &at)| vertex != at) {
+        return Ok(false);
+    }
+    let mut met = HashSet::new();
+    let repeats = |face: &Vec<usize>| {
+        met.clear();
+        let is_simple = face.iter().all(|&corner| met.insert(corner));
+        // A face that names a corner twice in a row is wrong.
+        let mut sides = face.iter().zip(face.iter().cycle().skip(1));
+        !is_simple && sides.all(|(a, b)| a != b)
+    };
+    if faces.iter().any(repeats) {
+        return Ok(true);
+    }
+    let components = nesting::components(drawing, stars, watch)?;
+    if components.len() < 2 {
+        return Ok(false);
+    }
+    // The sides of faces, each with the face on its left.
+    let mut sides = HashSet::new();
+    for face in faces {
+        let is_clockwise = area(drawing, face.iter().copied().map(VertexId::new)) < 0.0;
+        for (&a, &b) in face.iter().zip(face.iter().cycle().skip(1)) {
+            sides.insert(if is_clockwise { [b, a] } else { [a, b] });
+        }
+    }
+    // An edge without a face above it is on the outline of another component, which is asked in its turn.
+    let lies_in_face = |below: usize| {
+        let [a, b] = drawing.edges[below / 2].ends;
+        sides.contains(&if below.is_multiple_of(2) {
+            [a, b]
+        } else {
+            [b, a]
+        })
+    };
+    let mut below = components.iter().filter_map(|component| component.below);
+    Ok(below.any(lies_in_face))
 }
 
 /// Returns for each vertex the first vertex at its place. Vertices may share a place only if the drawing names its
@@ -479,30 +539,6 @@ fn no_area(face: usize, cycle: &[VertexId]) -> PatternError {
     let again = cycle.iter().find(|vertex| !met.insert(vertex.index()));
     let vertex = again.or(cycle.first()).map_or(0, |vertex| vertex.index());
     PatternError::NoArea { face, vertex }
-}
-
-/// Refuses an edge that lies inside one face, preferably one that ends there. Only traced faces are checked, because a
-/// face that the drawing names is intended.
-fn part_two_faces(
-    stars: &Csr<EdgeId>,
-    edges: &[DrawnEdge],
-    edge_faces: &EdgeFaces,
-) -> Result<(), PatternError> {
-    let within = || {
-        let edges = edges.iter().zip(edge_faces).enumerate();
-        edges.filter(|(_, (_, [left, right]))| left.is_some() && left == right)
-    };
-    let ends = within().find_map(|(edge, (drawn, _))| {
-        let alone = |&end: &usize| stars[end].len() == 1;
-        let vertex = drawn.ends.into_iter().find(alone)?;
-        Some(PatternError::DeadEnd { edge, vertex })
-    });
-    let inside = || {
-        within()
-            .next()
-            .map(|(edge, _)| PatternError::OneFace { edge })
-    };
-    ends.or_else(inside).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]

@@ -72,6 +72,12 @@ impl Letter {
         }
     }
 
+    /// Returns `true` if an edge with this letter separates the faces on its two sides.
+    #[must_use]
+    pub fn parts(self) -> bool {
+        matches!(self, Self::Boundary | Self::Cut)
+    }
+
     /// Returns `true` if an edge with this letter between two faces is a hinge that may turn.
     #[must_use]
     pub fn is_hinge(self) -> bool {

@@ -13,6 +13,8 @@ mod ids;
 mod letter;
 mod lost;
 mod model;
+mod nesting;
+mod parts;
 mod planarity;
 mod precision;
 mod redraw;

@@ -100,16 +100,23 @@ impl CreasePattern {
         self.vertices[vertex.index()].push(0.0)
     }
 
-    /// Returns the edges in the order of the drawing, followed by the second sides of cuts.
+    /// Returns the edges in the order of the drawing, followed by the edges that join the parts of panels with inner
+    /// boundaries, and by the second sides of cuts.
     #[must_use]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
-    /// Returns the number of edges of the drawing; the edges behind them are the second sides of cuts.
+    /// Returns the number of edges of the drawing; the edges behind them are further chords of its curves, join the parts of
+    /// panels with inner boundaries, or are the second sides of cuts.
     #[must_use]
     pub fn drawn_edges(&self) -> usize {
         self.drawn
+    }
+
+    /// Returns `true` if the edge is not drawn but joins two parts of a panel with inner boundaries.
+    pub(crate) fn joins_parts(&self, edge: EdgeId) -> bool {
+        edge.index() >= self.drawn && self.edge(edge).letter == Letter::Join
     }
 
     /// Returns the cuts along a single edge inside the sheet, which are free hinges. Fold angles that a file names for

@@ -268,8 +268,9 @@ impl CreasePattern {
     /// Returns `true` if two edges pass nearly straight through a vertex, but not quite.
     fn has_bent_line(&self) -> bool {
         self.real_vertices().any(|vertex| {
-            let star = &self.stars[vertex.index()];
-            let directions = || star.iter().map(|&edge| self.direction(edge, vertex));
+            let star = self.stars[vertex.index()].iter();
+            let drawn = star.filter(|edge| !self.joins_parts(**edge));
+            let directions = || drawn.clone().map(|&edge| self.direction(edge, vertex));
             directions().enumerate().any(|(index, a)| {
                 let mut others = directions().skip(index + 1);
                 others.any(|b| a.dot(&b) < 0.0 && BENT_SINES.contains(&a.perp(&b).abs()))

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, PatternError, Unit, VertexId};
+use super::{CreasePattern, Drawing, DrawnEdge, EdgeId, PatternError, Unit, VertexId, places};
 use crate::util::progress::Watch;
 
 impl CreasePattern {
@@ -56,7 +56,14 @@ impl CreasePattern {
 
     /// Returns `true` if the sheet is cut, so that some edges or vertices of the drawing are there twice.
     pub(super) fn is_cut(&self) -> bool {
-        self.edges.len() > self.drawn || !self.slits.is_empty() || self.sheets() > 1
+        let places = places(&self.vertices);
+        let is_twice = places.iter().enumerate().any(|(vertex, at)| vertex != *at);
+        is_twice || !self.slits.is_empty() || self.sheets() > 1
+    }
+
+    /// Notes that only the first `edges` edges are those of the file; the others are chords of its curves.
+    pub(crate) fn add_chords(&mut self, edges: usize) {
+        self.drawn = self.drawn.min(edges);
     }
 
     /// Makes a pattern as [`redrawn`](Self::redrawn) does, without the edges that have `no_length`: both of their ends

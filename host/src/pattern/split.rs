@@ -28,7 +28,7 @@ pub(super) fn split(
         if let Some(face) = left.or(right) {
             drawing.edges[edge].ends = ends_in(ends, face);
         }
-        let ([Some(_), Some(right)], true) = ([left, right], parts(drawing.edges[edge].letter))
+        let ([Some(_), Some(right)], true) = ([left, right], drawing.edges[edge].letter.parts())
         else {
             continue;
         };
@@ -71,11 +71,6 @@ pub(super) fn split(
     slits.into_iter().map(EdgeId::new).collect()
 }
 
-/// Returns `true` if an edge with this letter separates the faces on its two sides.
-fn parts(letter: Letter) -> bool {
-    matches!(letter, Letter::Boundary | Letter::Cut)
-}
-
 /// The fans of all vertices. A fan is a chain of faces round one vertex, each joined to the next by an edge.
 #[derive(Default)]
 struct Fans {
@@ -101,7 +96,7 @@ impl Fans {
                 continue;
             }
             for end in edge.ends {
-                if parts(edge.letter) {
+                if edge.letter.parts() {
                     cut[end] = true;
                 } else {
                     missing[end] -= 1;
@@ -119,7 +114,7 @@ impl Fans {
         let corners = group_by_key(vertices, corners);
         let joints = drawing.edges.iter().zip(edge_faces);
         let joints = joints
-            .filter(|(edge, _)| !parts(edge.letter))
+            .filter(|(edge, _)| !edge.letter.parts())
             .filter_map(|(edge, faces)| Some((edge.ends, [faces[0]?, faces[1]?])))
             .flat_map(|(ends, faces)| ends.map(|end| (end, faces)));
         let joints = group_by_key(vertices, joints);

@@ -56,7 +56,7 @@ impl Format {
 
     /// Returns the format that bytes without a name seem to have:
     ///
-    /// 1. STL, if their number fits the count of triangles of a binary STL file, or if the first word is `solid`;
+    /// 1. STL, if their number fits the count of triangles of a binary STL file, or if they begin with `solid`;
     /// 2. OPX, if they begin with `<` and ORIPA's or Java's names follow within 4096 bytes; else SVG, if they begin with
     ///    `<`;
     /// 3. OBJ, if the first line that is neither empty nor a comment with `#` begins with a word of OBJ such as `v`;
@@ -77,7 +77,7 @@ impl Format {
         let mut lines = text.lines().map(str::trim);
         let line = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
         match line.and_then(|line| line.split_whitespace().next()) {
-            Some("solid") => Self::Stl,
+            Some(_) if stl::is_text(text) => Self::Stl,
             Some(word) if OBJ_WORDS.contains(&word) => Self::Obj,
             Some(word) if word.parse::<f64>().is_ok() => Self::Cp,
             _ => Self::Fold,

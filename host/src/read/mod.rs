@@ -4,6 +4,7 @@
 //! memory and time that a file can ask for.
 
 mod cp;
+mod curves;
 mod error;
 pub mod fold;
 mod format;

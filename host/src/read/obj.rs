@@ -1,6 +1,6 @@
 //! Reads OBJ files: surfaces in space, with the creases that Freeform Origami writes into comments.
 //!
-//! The reader takes `v` and `f`, and lines `#e a b type angle 0`, of which T. Tachi's Freeform Origami writes one for
+//! A backslash at the end of a line continues it in the next. The reader takes `v` and `f`, and lines `#e a b type angle 0`, of which T. Tachi's Freeform Origami writes one for
 //! each side of a face. The types are 0 boundary, 1 diagonal inside a face, 2 valley and 3 mountain. The angle is in
 //! degrees, valley positive, seen from where faces run counter-clockwise. All other lines are ignored.
 
@@ -11,27 +11,28 @@ use nalgebra::Vector3;
 
 use super::error::quoted;
 use super::fold::{FLAT_PATTERN, NOT_FLAT, PatternFile, lay};
-use super::{FileError, ShapeFile, merge, stem};
+use super::merge::{Vertices, tidied};
+use super::{FileError, ShapeFile, stem};
 use crate::pattern::{CreasePattern, Drawing, DrawnEdge, LARGEST, Letter};
 use crate::progress::Watch;
 use crate::unfold::{FoldedShape, ShapeEdge};
 
-/// Parses a folded shape. If no two faces share a vertex, vertices at the same place are merged.
+/// Parses a folded shape. Vertices of parts that no face joins are merged if they are at the same place, and so are all of
+/// them if no two faces share a vertex.
 ///
 /// # Errors
 /// If a line is not what its keyword requires, or the file has no faces.
 pub(super) fn parse_shape(path: &Path, text: &str) -> Result<ShapeFile, FileError> {
-    let (shape, mut notes) = parse(path, text)?;
-    let shared = merge::shares_vertices(&shape.faces);
-    let shape = if shared {
-        shape
-    } else {
-        merge::merged(shape, &mut notes)
-    };
+    let Parsed {
+        shape,
+        lines,
+        mut notes,
+    } = parse(path, text)?;
+    let place = |face: usize| format!("line {}", lines[face] + 1);
     Ok(ShapeFile {
         unit: None,
         title: stem(path),
-        shape,
+        shape: tidied(path, shape, Vertices::OfParts, place, &mut notes)?,
         notes,
     })
 }
@@ -45,7 +46,9 @@ pub(super) fn parse_pattern(
     text: &str,
     watch: Watch<'_>,
 ) -> Result<PatternFile, FileError> {
-    let (shape, mut notes) = parse(path, text)?;
+    let Parsed {
+        shape, mut notes, ..
+    } = parse(path, text)?;
     let Some((vertices, written)) = lay(&shape.vertices, Some(&shape.faces), &mut notes) else {
         let place = "the vertices";
         return Err(FileError::expected(path, place, FLAT_PATTERN, NOT_FLAT));
@@ -121,13 +124,39 @@ struct Reader {
     doubtful: usize,
 }
 
-fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileError> {
+/// The content of a file.
+struct Parsed {
+    shape: FoldedShape,
+    /// Index of the line of each face.
+    lines: Vec<usize>,
+    notes: Vec<String>,
+}
+
+fn parse(path: &Path, text: &str) -> Result<Parsed, FileError> {
     let mut reader = Reader::default();
     let at = |line: usize, (expected, found): Wrong| {
         FileError::expected(path, format!("line {}", line + 1), expected, found)
     };
-    for (index, line) in text.lines().enumerate() {
-        reader.line(index, line).map_err(|error| at(index, error))?;
+    let mut lines = text.lines().enumerate();
+    while let Some((index, line)) = lines.next() {
+        let Some(start) = line.trim_end().strip_suffix(CONTINUED) else {
+            reader.line(index, line).map_err(|error| at(index, error))?;
+            continue;
+        };
+        let mut parts = vec![start];
+        for (_, part) in lines.by_ref() {
+            let more = part.trim_end().strip_suffix(CONTINUED);
+            parts.push(more.unwrap_or(part));
+            if more.is_none() {
+                break;
+            }
+        }
+        reader.line(index, &parts.join(" ")).map_err(|error| {
+            // The line with the words that were found, of those that are continued.
+            let has = |part: &str| part.contains(error.1.trim_matches('"'));
+            let part = parts.iter().position(|part| has(part)).unwrap_or(0);
+            at(index + part, error)
+        })?;
     }
     let Reader {
         shape,
@@ -136,7 +165,7 @@ fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileErro
         ..
     } = reader;
     let count = shape.vertices.len();
-    for (cycle, line) in shape.faces.iter().zip(lines) {
+    for (cycle, &line) in shape.faces.iter().zip(&lines) {
         if let Some(vertex) = cycle.iter().find(|vertex| **vertex >= count) {
             let expected = format!("vertices from 1 to {count}");
             return Err(at(line, wrong(&expected, &(vertex + 1).to_string())));
@@ -149,8 +178,15 @@ fn parse(path: &Path, text: &str) -> Result<(FoldedShape, Vec<String>), FileErro
     let doubt =
         "crease comments (#e) that say otherwise than one before for the same edge, left out";
     let notes = (doubtful > 0).then(|| format!("{doubt}: {doubtful}"));
-    Ok((shape, notes.into_iter().collect()))
+    Ok(Parsed {
+        shape,
+        lines,
+        notes: notes.into_iter().collect(),
+    })
 }
+
+/// Sign at the end of a line that goes on in the next.
+const CONTINUED: char = '\\';
 
 impl Reader {
     fn line(&mut self, index: usize, line: &str) -> Result<(), Wrong> {

@@ -1,4 +1,4 @@
-//! Options of reading drawings: the tolerance, and the letters of colours.
+//! Options of reading drawings: the tolerance, and the letters of colours and dashes.
 
 use core::str::FromStr;
 use std::path::Path;
@@ -25,8 +25,13 @@ pub struct ReadOptions {
     pub straighten: Straighten,
     /// Unit of lengths, for a file that names none.
     pub unit: Option<Unit>,
+    /// Frame of a FOLD file with the pattern; the key frame is 0. Without it, the first frame of class `creasePattern` is
+    /// read, or else the key frame.
+    pub frame: Option<usize>,
     /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
+    /// Letter of the dashed lines of an SVG drawing. Without it, a dashed line has the letter of its colour.
+    pub dashes: Option<Letter>,
 }
 
 crate::util::changed_one_by_one!(ReadOptions);
@@ -71,9 +76,17 @@ impl ReadOptions {
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
         }
+        if self.frame.is_some() && format != Format::Fold {
+            let expected = "a FOLD file, which has frames";
+            return wrong("the frame", expected, format.described());
+        }
         if !self.colours.is_empty() && format != Format::Svg {
             let expected = "an SVG drawing, whose lines have colours";
             return wrong("letters of colours", expected, format.described());
+        }
+        if self.dashes.is_some() && format != Format::Svg {
+            let expected = "an SVG drawing, which has dashed lines";
+            return wrong("the letter of dashes", expected, format.described());
         }
         Ok(())
     }

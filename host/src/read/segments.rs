@@ -1,12 +1,13 @@
 //! Repairs loose coloured line segments, as drawing programs leave them, into a planar drawing.
 //!
 //! Ends that nearly meet become one vertex. Lines are split where they cross, where other lines end on them and where
-//! they overlap. Lines drawn twice are kept once. Lines that end in the open or lie within a panel are left out. Every
+//! they overlap. Creases drawn in pieces become one line. Lines drawn twice are kept once. Lines that end in the open are left out. Every
 //! repair is reported with a count. Expected cost: O(n log n), as a uniform grid finds the neighbours of each line.
 
 mod grid;
 mod missing_border;
 mod open_ends;
+mod perforation;
 mod places;
 mod planar;
 mod repairs;
@@ -15,7 +16,7 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
-use self::planar::{Looks, planar};
+use self::planar::planar;
 use self::repairs::Repairs;
 use super::fold::PatternFile;
 use super::{FileError, ReadOptions, stem};
@@ -23,7 +24,6 @@ use crate::pattern::{
     CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError, Unit,
 };
 use crate::progress::Watch;
-use crate::util::nan_max::bounding_box;
 
 /// Largest number of lines and of crossings. A hatched sheet has quadratically many crossings, and memory is finite.
 pub(super) const MAX_LINES: usize = 1 << 22;
@@ -92,8 +92,6 @@ pub(super) struct LooseLines {
 struct RepairedDrawing {
     pattern: CreasePattern,
     repairs: Repairs,
-    /// Number of lines left out because they lie inside a panel.
-    islands: usize,
 }
 
 /// Makes a crease pattern of loose lines, titled by the name of the file.
@@ -131,7 +129,6 @@ pub(super) fn pattern_file(
     let RepairedDrawing {
         mut pattern,
         repairs,
-        islands,
     } = sheet;
     pattern.lengths_written_with(length);
     pattern.straighten_within(Some(repairs.usual_tolerance));
@@ -147,12 +144,6 @@ pub(super) fn pattern_file(
             open_end: reader.drawn(removed.open_end),
             kept_by,
         });
-    }
-    if islands > 0 {
-        pattern.repaired(format!(
-            "lines inside a panel and joined to nothing, which could not fold, left out with what they \
-             enclose: {islands}"
-        ));
     }
     if y_down {
         pattern.drawn_with_y_down();
@@ -219,17 +210,8 @@ impl Reader<'_> {
             }
             return Err(expected("lines that enclose faces".into(), found));
         }
-        let mut pattern = self.checked(drawing.clone())?;
-        let (drawing, islands) =
-            without_islands(&pattern, drawing, self.watch).ok_or_else(too_many)?;
-        if islands > 0 {
-            pattern = self.checked(drawing)?;
-        }
-        Ok(RepairedDrawing {
-            pattern,
-            repairs,
-            islands,
-        })
+        let pattern = self.checked(drawing)?;
+        Ok(RepairedDrawing { pattern, repairs })
     }
 
     /// Looks for the smallest tolerance with which no line ends in the open and nothing else is lost that `found` has:
@@ -241,7 +223,6 @@ impl Reader<'_> {
                 sheet.repairs.removed.is_none()
                     && sheet.repairs.short <= found.repairs.short
                     && sheet.repairs.twice <= found.repairs.twice
-                    && sheet.islands <= found.islands
             })
         };
         // Lines that cross many others take longer.
@@ -299,74 +280,6 @@ impl Reader<'_> {
 /// Rounds a length to two digits, so that it is short to write.
 fn two_digits(length: f64) -> f64 {
     format!("{length:.1e}").parse().unwrap_or(length)
-}
-
-/// Removes the islands: sheets that lie inside a face of another sheet. Returns the drawing and the number of lines
-/// removed, or `None` if the budget of proximity tests is used up.
-fn without_islands(
-    pattern: &CreasePattern,
-    mut drawing: Drawing,
-    watch: Watch<'_>,
-) -> Option<(Drawing, usize)> {
-    if pattern.sheets() < 2 {
-        return Some((drawing, 0));
-    }
-    let points = pattern.vertices();
-    let mut corners = vec![None; pattern.sheets()];
-    let mut faces = Vec::new();
-    for (face, &sheet) in pattern.faces().iter().zip(pattern.sheet_of_faces()) {
-        corners[sheet as usize].get_or_insert(points[face[0].index()]);
-        let Some((low, high)) = bounding_box(face.iter().map(|vertex| points[vertex.index()]))
-        else {
-            continue;
-        };
-        faces.push((low, high, sheet as usize, face));
-    }
-    let corners = corners.into_iter().enumerate();
-    let mut corners: Vec<_> = corners
-        .filter_map(|(sheet, at)| Some((at?, sheet)))
-        .collect();
-    corners.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
-    // A sheet inside an island also lies inside the face round the island. With the widest faces first, most faces of
-    // islands are skipped.
-    faces.sort_by(|a, b| (b.1.x - b.0.x).total_cmp(&(a.1.x - a.0.x)));
-    let mut island = vec![false; pattern.sheets()];
-    let mut looks = Looks::for_lines(drawing.edges.len(), watch);
-    for (low, high, around, face) in faces {
-        if island[around] {
-            continue;
-        }
-        let from = corners.partition_point(|(at, _)| at.x <= low.x);
-        let within = corners[from..].iter().take_while(|(at, _)| at.x < high.x);
-        for &(at, sheet) in within {
-            looks.take(1);
-            if sheet == around || island[sheet] || at.y <= low.y || at.y >= high.y {
-                continue;
-            }
-            looks.take(face.len());
-            let polygon = face.iter().map(|vertex| points[vertex.index()]);
-            let next = polygon.clone().cycle().skip(1);
-            let above = polygon.zip(next).filter(|(a, b)| {
-                let part = (at.x - a.x) / (b.x - a.x);
-                (a.x > at.x) != (b.x > at.x) && a.y + part * (b.y - a.y) > at.y
-            });
-            island[sheet] = above.count() % 2 == 1;
-        }
-        if looks.are_used_up() {
-            return None;
-        }
-    }
-    let on_island = |edge: &crate::pattern::Edge| {
-        let mut faces = edge.faces.iter().flatten();
-        faces.any(|face| island[pattern.sheet_of_faces()[face.index()] as usize])
-    };
-    let before = drawing.edges.len();
-    let mut edges = pattern.edges().iter();
-    drawing
-        .edges
-        .retain(|_| !edges.next().is_some_and(on_island));
-    let left_out = before - drawing.edges.len();
-    Some((planar::drawing(&drawing.vertices, drawing.edges), left_out))
 }
 
 /// Returns a vertex at which the error lies, if the error has a place.

@@ -5,7 +5,8 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::error::quoted;
-use super::{FileError, ShapeFile, merge, stem};
+use super::merge::{Vertices, tidied};
+use super::{FileError, ShapeFile, stem};
 use crate::pattern::LARGEST;
 use crate::unfold::FoldedShape;
 
@@ -20,14 +21,12 @@ const TRIANGLE_BYTES: usize = 50;
 /// # Errors
 /// If the bytes are not STL, or hold no triangles.
 pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileError> {
-    let corners = match binary(bytes) {
-        Some(corners) => corners,
+    let (corners, lines) = match binary(bytes) {
+        Some(corners) => (corners, Vec::new()),
         None => match core::str::from_utf8(bytes) {
-            Ok(text) if text.trim_start().starts_with("solid") => {
-                ascii(text).map_err(|(line, what, found)| {
-                    FileError::expected(path, format!("line {line}"), what, quoted(found))
-                })?
-            }
+            Ok(text) if is_text(text) => ascii(text).map_err(|(line, what, found)| {
+                FileError::expected(path, format!("line {line}"), what, quoted(found))
+            })?,
             _ => {
                 let what = "an STL file: text that begins with \"solid\", or 84 bytes and 50 for each triangle";
                 let found = format!("{} bytes", bytes.len());
@@ -52,14 +51,27 @@ pub(super) fn parse_shape(path: &Path, bytes: &[u8]) -> Result<ShapeFile, FileEr
         vertices: corners,
         edges: Vec::new(),
     };
+    let place = |face: usize| match lines.get(face) {
+        Some(line) => format!("line {line}"),
+        None => format!("triangle {face}"),
+    };
     let mut notes = Vec::new();
     Ok(ShapeFile {
         unit: None,
         title: stem(path),
-        shape: merge::merged(soup, &mut notes),
+        shape: tidied(path, soup, Vertices::Separate, place, &mut notes)?,
         notes,
     })
 }
+
+/// Returns `true` if a text begins as an STL file does.
+pub(super) fn is_text(text: &str) -> bool {
+    let word = text.trim_start().as_bytes().get(..FIRST_WORD.len());
+    word.is_some_and(|word| word.eq_ignore_ascii_case(FIRST_WORD.as_bytes()))
+}
+
+/// First word of an STL file that is text. Some programs write keywords in capitals.
+const FIRST_WORD: &str = "solid";
 
 /// Returns the triangles of a binary file, or `None` if the length of the file does not agree with their number.
 pub(super) fn triangles(bytes: &[u8]) -> Option<&[u8]> {
@@ -81,14 +93,18 @@ fn binary(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     Some(corners.collect())
 }
 
+/// Corners of triangles, and for each triangle the line of its last corner.
+type Corners = (Vec<Vector3<f64>>, Vec<usize>);
+
 /// Returns the corners of a text file, or the number of the defective line with what was expected and found there.
-fn ascii(text: &str) -> Result<Vec<Vector3<f64>>, (usize, &'static str, &str)> {
-    let mut corners = Vec::new();
+fn ascii(text: &str) -> Result<Corners, (usize, &'static str, &str)> {
+    let (mut corners, mut lines) = (Vec::new(), Vec::new());
     let mut in_loop = 0;
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
         let mut fields = line.split_whitespace();
-        match fields.next() {
+        let keyword = fields.next().map(str::to_ascii_lowercase);
+        match keyword.as_deref() {
             Some("vertex") => {
                 let numbers = fields.map(|field| field.parse().ok());
                 let numbers: Option<Vec<f64>> = numbers.take(4).collect();
@@ -97,6 +113,9 @@ fn ascii(text: &str) -> Result<Vec<Vector3<f64>>, (usize, &'static str, &str)> {
                     _ => return Err((index + 1, "a corner, vertex and 3 numbers", line)),
                 }
                 in_loop += 1;
+                if corners.len() % 3 == 0 {
+                    lines.push(index + 1);
+                }
             }
             Some("outer") => in_loop = 0,
             Some("endloop") if in_loop != 3 => {
@@ -112,5 +131,5 @@ fn ascii(text: &str) -> Result<Vec<Vector3<f64>>, (usize, &'static str, &str)> {
     if corners.len() % 3 != 0 {
         return Err((text.lines().count(), "3 corners for each triangle", ""));
     }
-    Ok(corners)
+    Ok((corners, lines))
 }

@@ -25,11 +25,13 @@ use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
 use self::colour::Kind;
 use self::viewport::{Affine, Viewport};
+use super::curves::{Chords, Curve, STRAIGHT_CREASE};
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
 use super::segments::{LooseLines, MAX_LINES, Segment, Written, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::colours::hex;
+use crate::pattern::Letter;
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 
@@ -39,7 +41,7 @@ const MAX_NODES: u32 = 1 << 21;
 /// Parses a crease pattern from the text of a file.
 ///
 /// # Errors
-/// If the text is no SVG, asks for too much work, strokes a curve, or its lines form no crease pattern.
+/// If the text is no SVG, asks for too much work, has a curved crease, or its lines form no crease pattern.
 pub(super) fn parse_pattern(
     path: &Path,
     text: &str,
@@ -55,9 +57,10 @@ pub(super) fn parse_pattern(
         .and_then(|()| drawn(text))
         .map_err(&wrong)?;
     let (root, place) = viewport.content(tree.root());
-    let strokes = strokes(root, place, &options.colours).map_err(&wrong)?;
+    let strokes = strokes(root, place, options).map_err(&wrong)?;
     notes.extend(colours_without_lines(&strokes, &options.colours));
-    let mut colours: BTreeMap<&str, (Kind, usize)> = BTreeMap::new();
+    notes.extend(dashes_noted(&strokes, options.dashes));
+    let mut colours: BTreeMap<(&str, bool), (Kind, usize)> = BTreeMap::new();
     for Stroke {
         colour,
         kind,
@@ -65,8 +68,9 @@ pub(super) fn parse_pattern(
         ..
     } in &strokes
     {
-        let (_, count) = colours.entry(colour).or_insert((*kind, 0));
-        *count += lines.ends.len();
+        let is_dashed = matches!(kind, Kind::Dashed(_));
+        let (_, count) = colours.entry((colour, is_dashed)).or_insert((*kind, 0));
+        *count += lines.pieces.len();
     }
     let straightened: usize = strokes.iter().map(|stroke| stroke.lines.straightened).sum();
     if straightened > 0 {
@@ -75,7 +79,7 @@ pub(super) fn parse_pattern(
         ));
     }
     let colours = colours.into_iter();
-    notes.extend(colours.filter_map(|(colour, (kind, count))| kind.note(colour, count)));
+    notes.extend(colours.filter_map(|((colour, _), (kind, count))| kind.note(colour, count)));
     // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
     let is_folded = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
     let has_angles = strokes.iter().any(|s| is_folded(s) && s.opacity < 1.0)
@@ -83,18 +87,35 @@ pub(super) fn parse_pattern(
     if has_angles {
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
-    let segments = strokes.iter().flat_map(|stroke| {
+    let mut chords = chords(&strokes);
+    let mut segments = Vec::new();
+    for stroke in &strokes {
         let letter = stroke.kind.letter();
         let is_angle = has_angles && is_folded(stroke);
         let goal = is_angle.then(|| letter.sign() * stroke.opacity * PI);
-        let ends = stroke.lines.ends.iter();
-        ends.map(move |&ends| Segment { ends, letter, goal })
-    });
+        for piece in &stroke.lines.pieces {
+            let too_many = || {
+                let most = format!("at most {MAX_LINES} lines");
+                wrong(("the curves of the drawing".into(), most, "more".into()))
+            };
+            let places = match piece {
+                Piece::Line(ends) => ends.to_vec(),
+                Piece::Curve(curve) => chords.of(curve).ok_or_else(too_many)?,
+            };
+            let pairs = places.windows(2);
+            segments.extend(pairs.map(|pair| Segment {
+                ends: [pair[0], pair[1]],
+                letter,
+                goal,
+            }));
+        }
+    }
+    notes.extend(chords.note());
     let rounding = strokes.iter().map(|stroke| stroke.lines.rounding);
     let written = strokes.iter().flat_map(|stroke| &stroke.lines.written);
     let scales = strokes.iter().map(|stroke| stroke.lines.scale);
     let lines = LooseLines {
-        segments: segments.collect(),
+        segments,
         rounding: rounding.fold(0.0, f64::max),
         written: Some(Written {
             points: written.copied().collect(),
@@ -106,6 +127,24 @@ pub(super) fn parse_pattern(
         notes,
     };
     pattern_file(path, lines, options, watch)
+}
+
+/// Prepares the chords of the curves of all strokes.
+fn chords(strokes: &[Stroke]) -> Chords {
+    let pieces = strokes.iter().flat_map(|stroke| &stroke.lines.pieces);
+    let (mut points, mut ends) = (Vec::new(), Vec::new());
+    for piece in pieces {
+        match piece {
+            Piece::Line([from, to]) | Piece::Curve(Curve([from, .., to])) => {
+                ends.extend([*from, *to]);
+            }
+        }
+        if let Piece::Curve(Curve(hull)) = piece {
+            points.extend(hull);
+        }
+    }
+    points.extend(&ends);
+    Chords::new(&points, ends)
 }
 
 /// Notes the colours that were given letters although no line has them.
@@ -123,6 +162,28 @@ fn colours_without_lines(strokes: &[Stroke], chosen: &ColourLetters) -> Vec<Stri
         format!("the colour {name} was given the letter {code}, but no line has it")
     });
     notes.collect()
+}
+
+/// Notes dashed lines that are no creases by their colour and were given no letter, or that a letter of dashes has no use.
+fn dashes_noted(strokes: &[Stroke], chosen: Option<Letter>) -> Option<String> {
+    let dashed = strokes.iter().filter(|stroke| stroke.dashed);
+    let count = |stroke: &Stroke| stroke.lines.pieces.len();
+    match chosen {
+        Some(letter) if dashed.clone().next().is_none() => Some(format!(
+            "dashes were given the letter {}, but no line is dashed",
+            letter.code()
+        )),
+        Some(_) => None,
+        None => {
+            let flat = dashed.filter(|stroke| !stroke.kind.letter().is_hinge());
+            let count: usize = flat.map(count).sum();
+            (count > 0).then(|| {
+                format!(
+                    "dashed lines that are no creases by their colour, where dashes were given no letter: {count}"
+                )
+            })
+        }
+    }
 }
 
 /// Checks that the text of an XML file asks for a bounded amount of work.
@@ -209,12 +270,19 @@ struct Stroke {
     colour: String,
     /// 0 to 1.
     opacity: f64,
+    dashed: bool,
     lines: Lines,
 }
 
-/// The straight lines of a path on the sheet, y pointing up.
+/// A piece of a path.
+enum Piece {
+    Line([Vector2<f64>; 2]),
+    Curve(Curve),
+}
+
+/// The lines of a path on the sheet, y pointing up.
 struct Lines {
-    ends: Vec<[Vector2<f64>; 2]>,
+    pieces: Vec<Piece>,
     /// Number of lines that were written as curves.
     straightened: usize,
     /// Largest distance by which single precision may have moved an end.
@@ -228,7 +296,7 @@ struct Lines {
 
 /// Returns all strokes in the order in which they are painted. `place` takes the coordinates of the root's children to those
 /// of the sheet, y pointing down.
-fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<Stroke>, Wrong> {
+fn strokes(root: &Group, place: Affine, options: &ReadOptions) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
     let mut open: Vec<(&Node, f64, Affine)> = Vec::new();
@@ -249,11 +317,14 @@ fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<St
                 number += 1;
                 let (kind, colour) = match stroke.paint() {
                     Paint::Color(c) => (
-                        Kind::of([c.red, c.green, c.blue], chosen),
+                        Kind::of([c.red, c.green, c.blue], &options.colours),
                         hex([c.red, c.green, c.blue]),
                     ),
                     _ => (Kind::Unknown, "gradient or pattern".into()),
                 };
+                let dashed = stroke.dasharray().is_some();
+                let of_dashes = options.dashes.filter(|_| dashed).map(Kind::Dashed);
+                let kind = of_dashes.unwrap_or(kind);
                 let named = || {
                     let name = match path.id() {
                         "" => String::new(),
@@ -261,10 +332,16 @@ fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<St
                     };
                     format!("stroked shape {number}{name}, stroke {colour}")
                 };
-                let Some(lines) = lines(path, place) else {
-                    return Err((named(), "straight lines alone".into(), "a curve".into()));
-                };
-                total += lines.ends.len();
+                let lines = lines(path, place);
+                let mut curves = lines.pieces.iter().filter_map(|piece| match piece {
+                    Piece::Curve(curve) => Some(curve),
+                    Piece::Line(_) => None,
+                });
+                if let Some(curve) = curves.next().filter(|_| kind.letter().is_hinge()) {
+                    let found = curve.in_words(|at| [at.x, 0.0 - at.y]);
+                    return Err((named(), STRAIGHT_CREASE.into(), found));
+                }
+                total += lines.pieces.len();
                 if total > MAX_LINES {
                     return Err((named(), format!("at most {MAX_LINES} lines"), "more".into()));
                 }
@@ -272,6 +349,7 @@ fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<St
                     kind,
                     colour,
                     opacity: opacity * decimal(stroke.opacity().get()),
+                    dashed,
                     lines,
                 });
             }
@@ -281,14 +359,14 @@ fn strokes(root: &Group, place: Affine, chosen: &ColourLetters) -> Result<Vec<St
     Ok(strokes)
 }
 
-/// Returns the lines of a path, or `None` if a curve of the path is not straight.
-fn lines(path: &usvg::Path, place: Affine) -> Option<Lines> {
+/// Returns the lines of a path.
+fn lines(path: &usvg::Path, place: Affine) -> Lines {
     let Affine([[sx, kx, tx], [ky, sy, ty]]) = place;
     let point = |p: usvg::tiny_skia_path::Point| {
         let [x, y] = [p.x, p.y].map(decimal);
         Vector2::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
     };
-    let (mut ends, mut straightened, mut written) = (Vec::new(), 0, Vec::new());
+    let (mut pieces, mut straightened, mut written) = (Vec::new(), 0, Vec::new());
     let (mut start, mut at) = (Vector2::zeros(), Vector2::zeros());
     for segment in path.data().segments() {
         let (to, between) = match segment {
@@ -300,17 +378,21 @@ fn lines(path: &usvg::Path, place: Affine) -> Option<Lines> {
             }
             PathSegment::LineTo(p) => (point(p), None),
             PathSegment::Close => (start, None),
-            PathSegment::QuadTo(a, p) => (point(p), Some([a, a])),
-            PathSegment::CubicTo(a, b, p) => (point(p), Some([a, b])),
-        };
-        if let Some(controls) = between {
-            if !is_straight([at, to], controls.map(point)) {
-                return None;
+            PathSegment::QuadTo(a, p) => {
+                // The cubic with the same course.
+                let [a, p] = [a, p].map(point);
+                (p, Some([at, p].map(|end| end + (a - end) * (2.0 / 3.0))))
             }
-            straightened += 1;
-        }
-        if at != to {
-            ends.push([at, to]);
+            PathSegment::CubicTo(a, b, p) => (point(p), Some([a, b].map(point))),
+        };
+        let curve = between.map(|[a, b]| Curve([at, a, b, to]));
+        // Within the rounding of single precision.
+        let is_straight = |curve: &Curve| curve.is_straight(1e-6 * at.amax().max(to.amax()));
+        straightened += usize::from(curve.as_ref().is_some_and(is_straight));
+        match curve.filter(|curve| !is_straight(curve)) {
+            Some(curve) => pieces.push(Piece::Curve(curve)),
+            None if at != to => pieces.push(Piece::Line([at, to])),
+            None => {}
         }
         if let PathSegment::LineTo(p) | PathSegment::QuadTo(_, p) | PathSegment::CubicTo(_, _, p) =
             segment
@@ -330,30 +412,14 @@ fn lines(path: &usvg::Path, place: Affine) -> Option<Lines> {
     let largest = parts
         .into_iter()
         .fold(0.0, |most, part: f64| part.abs().max(most));
-    Some(Lines {
-        ends,
+    Lines {
+        pieces,
         straightened,
         rounding: largest * f64::from(f32::EPSILON),
         written,
         scale: (sx * sy - kx * ky).abs().sqrt(),
         turned: kx.abs().max(ky.abs()) > 0.0,
-    })
-}
-
-/// Returns `true` if a curve with these control points is the line between its ends, within the rounding of single
-/// precision.
-fn is_straight([from, to]: [Vector2<f64>; 2], controls: [Vector2<f64>; 2]) -> bool {
-    let rounding = 1e-6 * from.amax().max(to.amax());
-    let length = (to - from).norm();
-    let along = (to - from) / length.max(f64::MIN_POSITIVE);
-    controls.iter().all(|control| {
-        let offset = control - from;
-        let part = offset.dot(&along);
-        offset.perp(&along).abs() <= rounding
-            && (offset - along * part).norm() <= rounding
-            && part >= -rounding
-            && part <= length + rounding
-    })
+    }
 }
 
 /// Returns the number with six digits from which a number in single precision may have come by a few sums, as of relative

@@ -17,7 +17,7 @@ use crate::export::ExportOptions;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::folding::{BOUND, DEFAULT_BOUND};
-use crate::pattern::{BEND_DEG, Unit};
+use crate::pattern::{BEND_DEG, Letter, Unit};
 use crate::planner::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
     MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
@@ -166,6 +166,12 @@ options! {
         /// straightened. Notes tell how many vertices are moved, and by how much.
         straighten: Straighten = Straighten::Auto, heading: "Drawing", value_name: "WHEN";
 
+        /// Frame of a FOLD file with the crease pattern; the key frame is 0
+        ///
+        /// By default it is the first frame of class creasePattern, or else the key frame. A note names other frames that
+        /// have a crease pattern. Goals come only from folded frames that inherit from the frame.
+        frame: Option<usize> = None, heading: "Drawing", value_name: "I";
+
         /// Unit of the lengths of a file that names none
         ///
         /// A unit that differs from that of the file is an error. Places, lengths, paths and models have the unit of the file.
@@ -178,6 +184,11 @@ options! {
         /// has the meaning of Origami Simulator.
         colors: Option<ColourLetters> = None, heading: "Drawing", value_name: "NAME=LETTER,..."
             => |read, letters| read.colours = letters.clone().unwrap_or_default();
+
+        /// Letter of the dashed lines of an SVG drawing, whatever their colour
+        ///
+        /// Without this option dashes mean nothing: a dashed line has the letter of its colour.
+        dashes: Option<Letter> = None, heading: "Drawing", value_name: "LETTER";
     }
 }
 
@@ -200,6 +211,9 @@ options! {
 
         /// With svg: meaning of the colours
         colour: Colour = Colour::Letters;
+
+        /// With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
+        numbers: bool = false;
     }
 }
 

@@ -7,7 +7,7 @@ use super::table::{Kind, OptionValue, word};
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
-use crate::pattern::Unit;
+use crate::pattern::{Letter, Unit};
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::{ColourLetters, ColourLettersError, Straighten};
 
@@ -138,6 +138,12 @@ macro_rules! named {
 }
 
 named! {
+    Letter {
+        "V": Self::Valley, "Valleys";
+        "M": Self::Mountain, "Mountains";
+        "F": Self::Flat, "Marks that stay flat";
+        "U": Self::Unassigned, "Hinges that may turn either way";
+    }
     Symmetry {
         "auto": Self::Auto, "One unknown for each group of creases that turn alike";
         "off": Self::Off, "One unknown for each crease";

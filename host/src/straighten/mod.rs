@@ -20,7 +20,7 @@ use nalgebra::Vector2;
 
 use self::condition::Condition;
 use self::least_moves::fulfil;
-use crate::pattern::{CreasePattern, Digits, Edge, Letter, VertexId, places, rounded};
+use crate::pattern::{CreasePattern, Digits, Edge, EdgeId, Letter, VertexId, places, rounded};
 use crate::progress::Watch;
 use crate::util::nan_max::diagonal;
 
@@ -178,7 +178,9 @@ fn least_moves(
     let exact = EXACT_RATIO * size;
     let ends = |edge: &Edge| edge.ends.map(|end| places[end.index()]);
     let mut known = HashSet::new();
-    let lines = pattern.edges().iter().map(ends);
+    let edges = (0..).map(EdgeId).zip(pattern.edges());
+    let lines = edges.filter(|(edge, _)| !pattern.joins_parts(*edge));
+    let lines = lines.map(|(_, edge)| ends(edge));
     let lines = lines.filter(|&[a, b]| known.insert([a.min(b), a.max(b)]));
     let mut conditions = lines::conditions(drawn, &lines.collect::<Vec<_>>(), reach);
     if pattern.edges().iter().all(folds_flat) {

@@ -2,16 +2,18 @@
 
 use core::f64::consts::PI;
 
-use super::surface::{Side, Surface, SurfaceEdge};
+use super::surface::{MAX_ROUNDING_RAD, Side, Surface, SurfaceEdge};
 use super::{FoldedShape, layout::edge_name};
 use crate::folding::fold_angle;
 use crate::pattern::Letter;
+use crate::util::nan_max::largest;
 
 /// On a shape without noise: angle (radians) below which an edge counts as flat, and distance from half a turn within
 /// which the sign of an angle cannot be measured. Well above rounding errors, well below the angles of driven hinges.
 const ROUNDING_RAD: f64 = 1e-7;
 
 /// Bounds on the errors of measured angles.
+#[derive(Clone, Copy)]
 struct Noise {
     /// Radians; an edge without a letter is flat within this angle.
     zero: f64,
@@ -23,11 +25,19 @@ impl Noise {
     /// Derives the bounds from the angle defects. Errors of the corners within their planes show in the defects, and
     /// about four defects affect a fold angle. At a flat or flat-folded vertex, errors out of the plane change a defect
     /// only by the square of a fold angle, so the doubt grows with the square root of the defect.
-    fn of(surface: &Surface, max_defect: f64) -> Self {
-        let defect = surface.noise(max_defect);
+    fn of(surface: &Surface) -> Self {
+        let defect = surface.noise();
         Self {
             zero: ROUNDING_RAD.max(4.0 * defect),
             doubt: ROUNDING_RAD.max(4.0 * defect).max(2.0 * defect.sqrt()),
+        }
+    }
+
+    /// Returns the bounds for an edge whose angle the rounding of coordinates changes by up to `rounding`, radians.
+    fn with(self, rounding: f64) -> Self {
+        Self {
+            zero: self.zero.max(rounding),
+            doubt: self.doubt.max(rounding),
         }
     }
 
@@ -71,11 +81,10 @@ impl Creases {
     pub(super) fn measure(
         shape: &FoldedShape,
         surface: &mut Surface,
-        max_defect: f64,
         notes: &mut Vec<String>,
     ) -> Self {
-        let noise = Noise::of(surface, max_defect);
-        let over = against_letters(shape, surface, noise.doubt);
+        let usual = Noise::of(surface);
+        let over = against_letters(shape, surface, usual.doubt);
         if over.contains(&true) {
             notes.push(
                 "the letters are those of the other side of the faces: the sheet is seen from there".into(),
@@ -86,6 +95,7 @@ impl Creases {
         let mut flat = Said::default();
         let mut assumed = Said::default();
         let mut other = Said::default();
+        let mut zero = usual.zero;
         for edge in &surface.edges {
             let [Some(a), Some(b)] = edge.sides else {
                 angles.push(0.0);
@@ -93,6 +103,17 @@ impl Creases {
                 continue;
             };
             let measured = measured(shape, surface, edge, [a, b]);
+            let noise = match edge.letter {
+                // An edge that the file letters as a hinge is one, however little it turns.
+                Some(letter) if letter.is_hinge() => usual,
+                _ => usual.with(rounding(
+                    shape,
+                    surface,
+                    edge,
+                    [a, b],
+                    surface.length.unit(),
+                )),
+            };
             let (angle, letter) = noise.settle(edge, measured);
             angles.push(angle);
             letters.push(letter);
@@ -101,6 +122,7 @@ impl Creases {
             }
             if letter == Letter::Flat && edge.letter.is_none() {
                 flat.add(edge);
+                zero = zero.max(noise.zero);
             }
             if PI - angle.abs() <= noise.zero && said_sign(edge).is_none() {
                 assumed.add(edge);
@@ -112,7 +134,7 @@ impl Creases {
                 other.add(edge);
             }
         }
-        let zero = noise.zero.to_degrees();
+        let zero = zero.to_degrees();
         flat.say(
             notes,
             &format!("edges flat to within {zero:.1e} degrees, lettered F"),
@@ -196,4 +218,39 @@ fn measured(shape: &FoldedShape, surface: &Surface, edge: &SurfaceEdge, [a, b]: 
         &surface.up(right.face),
         &(end - start),
     )
+}
+
+/// Returns the largest change (radians) of the fold angle at an edge by the rounding of coordinates to a unit: each face
+/// turns by two units over its width.
+fn rounding(
+    shape: &FoldedShape,
+    surface: &Surface,
+    edge: &SurfaceEdge,
+    sides: [Side; 2],
+    unit: f64,
+) -> f64 {
+    if unit <= 0.0 {
+        return 0.0;
+    }
+    let [start, end] = edge.ends.map(|end| shape.vertices[end]);
+    let along = (end - start).normalize();
+    let turns = sides.map(|side| {
+        let corners = surface.faces[side.face].iter();
+        let off = corners.map(|&v| along.cross(&(shape.vertices[v] - start)).norm());
+        2.0 * unit / largest(off)
+    });
+    (turns[0] + turns[1]).min(MAX_ROUNDING_RAD)
+}
+
+/// Returns `true` if an edge is folded a little, but not by more than the rounding of coordinates to a unit explains.
+pub(super) fn is_flat_but_for(
+    shape: &FoldedShape,
+    surface: &Surface,
+    edge: &SurfaceEdge,
+    unit: f64,
+) -> bool {
+    edge.joint().is_some_and(|sides| {
+        let angle = measured(shape, surface, edge, sides).abs();
+        angle > ROUNDING_RAD && angle <= rounding(shape, surface, edge, sides, unit)
+    })
 }

@@ -7,6 +7,7 @@ use nalgebra::{Matrix2, Vector2};
 use super::FoldedShape;
 use super::angles::Creases;
 use super::cuts;
+use super::overlap::ConvexFaces;
 use super::surface::{Side, Surface, SurfaceEdge};
 use crate::pattern::{Drawing, DrawnEdge, Letter};
 use crate::util::nan_max::diagonal;
@@ -22,55 +23,128 @@ const STILL_RATIO: f64 = 1e-15;
 /// Space between parts, as a fraction of the sheet's size.
 const SPACE_RATIO: f64 = 0.1;
 
+/// Smallest overlap that is none, as a fraction of the sheet's size: errors of laying many faces one after the other.
+const TOUCH_RATIO: f64 = 1e-9;
+
+/// Largest tolerance of touching, as a fraction of the shortest edge.
+const MAX_TOUCH_RATIO: f64 = 0.25;
+
 /// Faces laid into the plane, and the edges that are whole.
 pub(super) struct Layout {
     /// For each edge `true` if the sheet is whole across the edge.
     joined: Vec<bool>,
     /// For each corner the first corner at the same vertex of the flat sheet.
     points: Vec<usize>,
-    /// Positions of these vertices, at the indices of their first corners.
+    /// Positions of these vertices at all corners.
     places: Vec<Vector2<f64>>,
+    /// For each face the number of its piece. Different pieces share no edge of the flat sheet.
+    pieces: Vec<usize>,
 }
 
 impl Layout {
-    /// Lays the faces of each part, each across an edge, from a middle face outwards. An edge that was not used stays
-    /// whole if both faces have its ends at the same places. The tolerance is `slope` times the length of the edge in
-    /// parts without a boundary, where defects separate the faces, and `slope` times the size of the sheet in parts
-    /// with a boundary, where noise adds up round a ring. In a disc all edges stay whole.
+    /// Lays the faces of each part, each across an edge, from a middle face outwards, by the number of the part's attempt.
+    /// An edge that was not used stays whole if it ends a cut at a point without angle defect, or if both faces have its
+    /// ends at the same places. The tolerance is `bound` (radians) times the length of the edge in parts without a
+    /// boundary and parts with corners, where defects separate the faces. It is `bound` times the size of the sheet in
+    /// other parts with a boundary, where noise adds up round a ring. In a plain sheet all edges stay whole.
     pub(super) fn new(
         shape: &FoldedShape,
         surface: &Surface,
         creases: &Creases,
-        attempt: usize,
-        slope: f64,
+        attempts: &[usize],
     ) -> Self {
         let (roots, levels) = levels(surface);
-        let order = cuts::order(shape, surface, creases, &levels, attempt);
-        let mut laid = lay(surface, &roots, &order);
-        let near = slope * diagonal(&laid);
-        let joined = surface.edges.iter().map(|edge| {
-            let Some([a, b]) = edge.joint() else {
-                return false;
-            };
-            let (a_ends, b_ends) = (surface.corners(a), surface.corners(b));
-            let part = surface.parts[a.face];
-            let near = if surface.closed[part] {
-                slope * (laid[a_ends[1]] - laid[a_ends[0]]).norm()
-            } else {
-                near
-            };
-            let mut ends = a_ends.into_iter().zip(b_ends);
-            surface.discs[part] || ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
-        });
+        let order = cuts::order(shape, surface, creases, &levels, attempts);
+        let (mut laid, used) = lay(surface, &roots, &order);
+        let closed_up = cuts::closed_up(surface, used);
+        let size = diagonal(&laid);
+        let joined = surface
+            .edges
+            .iter()
+            .zip(closed_up)
+            .map(|(edge, closed_up)| {
+                let Some([a, b]) = edge.joint() else {
+                    return false;
+                };
+                let part = surface.parts[a.face];
+                let (a, b) = (surface.corners(a), surface.corners(b));
+                let lever = if surface.closed[part] || surface.has_corners[part] {
+                    (laid[a[1]] - laid[a[0]]).norm()
+                } else {
+                    size
+                };
+                closed_up || surface.is_plain(part) || meet(&laid, [a, b], surface.bound * lever)
+            });
         let joined: Vec<bool> = joined.collect();
         let points = surface.points_where(&joined);
         settle(surface, &points, &mut laid);
-        set_side_by_side(surface, &mut laid);
+        let pieces = surface.parts.clone();
+        set_side_by_side(surface, &pieces, &mut laid);
         Self {
             joined,
             points,
             places: laid,
+            pieces,
         }
+    }
+
+    /// Returns the depth to which faces may lie in each other and yet only touch.
+    pub(super) fn touch(&self, surface: &Surface) -> f64 {
+        let size = diagonal(&self.places);
+        let errors = size * (TOUCH_RATIO + surface.noise()) + 4.0 * surface.length.unit();
+        let lengths = surface.edges.iter().filter_map(|edge| {
+            let [a, b] = surface.corners(edge.sides[0]?);
+            Some((surface.local[b] - surface.local[a]).norm())
+        });
+        let shortest = lengths.fold(size, f64::min);
+        errors.min(MAX_TOUCH_RATIO * shortest)
+    }
+
+    /// Returns two overlapping faces of a part.
+    pub(super) fn overlap(
+        &self,
+        surface: &Surface,
+        faces: &ConvexFaces,
+        part: usize,
+        touch: f64,
+    ) -> Option<[usize; 2]> {
+        let of_part = (0..surface.faces.len()).filter(|&face| surface.parts[face] == part);
+        let overlaps = faces.overlaps(of_part, &self.places, touch, 1);
+        overlaps.first().copied()
+    }
+
+    /// Takes pieces of a layout, in which each face belongs to one, at their places `laid`. An edge between two faces of
+    /// a piece is whole if they meet there.
+    pub(super) fn of_pieces(
+        surface: &Surface,
+        pieces: Vec<usize>,
+        mut laid: Vec<Vector2<f64>>,
+        touch: f64,
+    ) -> Self {
+        let joined = surface.edges.iter().map(|edge| {
+            edge.joint().is_some_and(|[a, b]| {
+                let ends = [a, b].map(|side| surface.corners(side));
+                let length = (laid[ends[0][1]] - laid[ends[0][0]]).norm();
+                let near = touch.max(surface.bound * length);
+                pieces[a.face] == pieces[b.face] && meet(&laid, ends, near)
+            })
+        });
+        let joined: Vec<bool> = joined.collect();
+        let points = surface.points_where(&joined);
+        settle(surface, &points, &mut laid);
+        set_side_by_side(surface, &pieces, &mut laid);
+        Self {
+            joined,
+            points,
+            places: laid,
+            pieces,
+        }
+    }
+
+    /// Returns for each edge `true` if the sheet is whole across it, for each face the number of its piece, and the places
+    /// of all corners.
+    pub(super) fn laid(&self) -> (&[bool], &[usize], &[Vector2<f64>]) {
+        (&self.joined, &self.pieces, &self.places)
     }
 
     /// Returns the flat sheet, and for each of its vertices the vertex of the shape.
@@ -146,15 +220,32 @@ impl Layout {
         cut.map(|(edge, _)| edge)
     }
 
+    /// Returns the number of pieces.
+    pub(super) fn pieces(&self) -> usize {
+        self.pieces.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// Returns the first edge that is whole in the file and cut in the layout, by its ends.
+    pub(super) fn first_cut(&self, surface: &Surface) -> Option<[usize; 2]> {
+        self.cut_edges(surface).next().map(|edge| edge.ends)
+    }
+
     /// Returns notes of the cuts and of separate parts.
     pub(super) fn notes(&self, surface: &Surface) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Some(first) = self.cut_edges(surface).next() {
+        if let Some(first) = self.first_cut(surface) {
             notes.push(format!(
                 "no plane holds the shape whole, so that it is cut along edges; their second sides come behind \
                  all other edges: {} (first: {})",
                 self.cuts(surface),
-                edge_name(first.ends)
+                edge_name(first)
+            ));
+        }
+        let pieces = self.pieces();
+        if pieces > surface.parts() {
+            notes.push(format!(
+                "no way to cut was found that keeps each part whole and lies flat without an overlap: pieces, laid side \
+                 by side: {pieces}"
             ));
         }
         if surface.parts() > 1 {
@@ -242,17 +333,19 @@ fn breadth_first(
     order
 }
 
-/// Returns the positions of all corners with each face laid across one edge. Edges join faces in the given order, as
-/// long as they close no ring.
-fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>> {
+/// Returns the positions of all corners with each face laid across one edge, and marks these edges. Edges join faces in
+/// the given order, as long as they close no ring.
+fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> (Vec<Vector2<f64>>, Vec<bool>) {
     let count = surface.faces.len();
     let mut groups = UnionFind::new(count);
+    let mut used = vec![false; surface.edges.len()];
     let mut beyond = vec![Vec::new(); count];
     for &index in order {
         let Some([a, b]) = surface.edges[index].joint() else {
             continue;
         };
         if groups.join([b.face, a.face]) {
+            used[index] = true;
             beyond[a.face].push((a, b));
             beyond[b.face].push((b, a));
         }
@@ -278,7 +371,13 @@ fn lay(surface: &Surface, roots: &[usize], order: &[usize]) -> Vec<Vector2<f64>>
             }
         }
     }
-    laid
+    (laid, used)
+}
+
+/// Returns `true` if the corners of two faces at the ends of their edge are no farther apart than `near`.
+fn meet(laid: &[Vector2<f64>], [a, b]: [[usize; 2]; 2], near: f64) -> bool {
+    let mut ends = a.into_iter().zip(b);
+    ends.all(|(a, b)| (laid[a] - laid[b]).norm() <= near)
 }
 
 /// Moves corners of the same vertex to one place by alternating two fits: each vertex moves to the mean of its corners,
@@ -315,17 +414,17 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
     }
 }
 
-/// Moves the parts beside each other along x; the first part stays.
-fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
-    if surface.parts() < 2 {
+/// Moves the pieces beside each other along x; the first piece stays. `pieces` has for each face the number of its piece.
+fn set_side_by_side(surface: &Surface, pieces: &[usize], laid: &mut [Vector2<f64>]) {
+    let count = pieces.iter().max().map_or(0, |last| last + 1);
+    if count < 2 {
         return;
     }
     let space = SPACE_RATIO * diagonal(laid);
-    let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; surface.parts()];
-    let part = |face: usize| surface.parts[face];
-    for face in 0..surface.faces.len() {
+    let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; count];
+    for (face, &piece) in pieces.iter().enumerate() {
         for corner in surface.corner_range(face) {
-            let [low, high] = &mut bounds[part(face)];
+            let [low, high] = &mut bounds[piece];
             *low = low.min(laid[corner].x);
             *high = high.max(laid[corner].x);
         }
@@ -336,15 +435,15 @@ fn set_side_by_side(surface: &Surface, laid: &mut [Vector2<f64>]) {
         *shift = end + space - low;
         end = high + *shift;
     }
-    for face in 0..surface.faces.len() {
+    for (face, &piece) in pieces.iter().enumerate() {
         for corner in surface.corner_range(face) {
-            laid[corner].x += shifts[part(face)];
+            laid[corner].x += shifts[piece];
         }
     }
 }
 
 /// A rigid motion of the plane.
-struct Motion {
+pub(super) struct Motion {
     rotation: Matrix2<f64>,
     from: Vector2<f64>,
     to: Vector2<f64>,
@@ -353,7 +452,7 @@ struct Motion {
 impl Motion {
     /// Returns the motion that takes the first points of the pairs to the second with the least sum of squared
     /// distances (rigid registration).
-    fn fit(pairs: impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + Clone) -> Self {
+    pub(super) fn fit(pairs: impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> + Clone) -> Self {
         let count = pairs.clone().fold(0.0, |count, _| count + 1.0);
         let sums = pairs.clone().fold(
             (Vector2::zeros(), Vector2::zeros()),
@@ -372,7 +471,7 @@ impl Motion {
         }
     }
 
-    fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
         self.rotation * (point - self.from) + self.to
     }
 }

@@ -12,8 +12,11 @@
 mod angles;
 mod cuts;
 mod layout;
+mod overlap;
+mod pieces;
 mod shape;
 mod surface;
+mod touching;
 
 use nalgebra::Vector3;
 
@@ -23,21 +26,43 @@ use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
 use angles::Creases;
 use layout::Layout;
+use overlap::ConvexFaces;
 pub use shape::{FoldedShape, ShapeEdge, ShapeError};
 use surface::Surface;
+use touching::join_touching;
+
+/// Largest deviation of a sheet that is folded back, over its size, that comes from the computation rather than the shape.
+const MAX_ROUNDING_RATIO: f64 = 1e-9;
+
+/// Largest number of overlapping layouts that are parted into pieces.
+const MAX_PARTED: usize = 16;
 
 /// Options of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct UnfoldOptions {
     /// Largest angle defect (radians) of an interior vertex that counts as developable, and largest slope of a corner
-    /// out of the plane of its face.
+    /// out of the plane of its face. Defects that the rounding of coordinates explains, by their digits, count as
+    /// developable as well, up to 1 degree.
     ///
     /// The default, 0.01 degrees, covers the rounding of coordinates with six digits on a sheet about ten edges across;
     /// a shape that was folded from paper by computation has defects of about 1e-13.
     pub max_defect: f64,
-    /// Largest number of ways to cut a closed shape that are tried until one gives no overlap.
+    /// Largest number of ways to cut a shape that are tried until one gives no overlap.
     pub attempts: usize,
+    /// Which shapes are cut.
+    pub cut: Cut,
+}
+
+/// Which shapes are cut so that they lie flat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cut {
+    /// Those that no plane holds whole.
+    #[default]
+    Auto,
+    /// None.
+    None,
 }
 
 impl Default for UnfoldOptions {
@@ -45,6 +70,7 @@ impl Default for UnfoldOptions {
         Self {
             max_defect: 0.01_f64.to_radians(),
             attempts: 64,
+            cut: Cut::Auto,
         }
     }
 }
@@ -57,7 +83,7 @@ crate::util::changed_one_by_one!(UnfoldOptions);
 pub enum Outcome {
     /// A crease pattern was found.
     Unfolded,
-    /// The angles round an interior vertex do not sum to 360 degrees.
+    /// No plane holds the shape whole, and it is not cut.
     NotDevelopable,
     /// The flat pattern would overlap itself.
     Overlap,
@@ -90,6 +116,11 @@ pub enum Reason {
         /// Largest defect that counts as none, radians.
         max_defect: f64,
     },
+    /// The faces of a ring do not meet in the plane.
+    RingStaysOpen {
+        /// Ends of an edge at which they do not meet.
+        ends: [usize; 2],
+    },
     /// Faces lie on each other in the flat pattern.
     FacesOverlap {
         /// Numbers of the faces in the first way to cut the shape.
@@ -116,11 +147,18 @@ impl core::fmt::Display for Reason {
                     360.0 - defect,
                 )
             }
+            Self::RingStaysOpen { ends } => {
+                let edge = layout::edge_name(ends);
+                write!(
+                    f,
+                    "the edge {edge}: its faces do not meet when all faces of their ring lie flat"
+                )
+            }
             Self::FacesOverlap {
                 faces: [a, b],
                 ways,
             } => {
-                write!(f, "faces {a} and {b} overlap or touch in the flat pattern")?;
+                write!(f, "faces {a} and {b} overlap in the flat pattern")?;
                 if ways > 1 {
                     write!(f, ", and others do in each of {ways} ways to cut the shape")?;
                 }
@@ -183,7 +221,7 @@ pub fn unfold_watched(
     let watch = Watch::new(progress);
     let mut notes = Vec::new();
     let mut surface = Surface::new(shape, options.max_defect, &mut notes)?;
-    let creases = Creases::measure(shape, &mut surface, options.max_defect, &mut notes);
+    let creases = Creases::measure(shape, &mut surface, &mut notes);
     let mut unfolding = Unfolding {
         outcome: Outcome::NotDevelopable,
         reason: None,
@@ -199,7 +237,9 @@ pub fn unfold_watched(
         deviation: None,
         notes,
     };
-    if let Some((vertex, defect)) = surface.not_developable(options.max_defect) {
+    let nearly_plain = surface.nearly_plain();
+    let kept_whole = |part: usize| options.cut == Cut::None || nearly_plain[part];
+    if let Some((vertex, defect)) = surface.worst_corner(kept_whole) {
         unfolding.reason = Some(Reason::AngleDefect {
             vertex,
             at: shape.vertices[vertex].into(),
@@ -208,49 +248,193 @@ pub fn unfold_watched(
         });
         return Ok(unfolding);
     }
-    let tries = if surface.is_disc() {
-        1
-    } else {
-        options.attempts.max(1)
+    let faces = ConvexFaces::new(&surface)?;
+    let unfolder = Unfolder {
+        shape,
+        surface: &surface,
+        creases: &creases,
+        faces: &faces,
+        options,
+        watch,
     };
-    for attempt in 0..tries {
-        if watch.is_over() {
-            return Err(ShapeError::Cancelled);
-        }
-        watch.done(attempt, tries);
-        let layout = Layout::new(shape, &surface, &creases, attempt, options.max_defect);
-        let (drawing, sources) = layout.drawing(&surface, &creases);
-        match CreasePattern::watched(drawing.clone(), watch) {
-            Ok(pattern) => {
-                measure(shape, &pattern, &sources, &mut unfolding);
-                unfolding.outcome = Outcome::Unfolded;
-                unfolding.reason = None;
-                unfolding.cuts = layout.cuts(&surface);
-                unfolding.pieces = pattern.sheets();
-                unfolding.precision = precision_of(shape, &pattern);
-                unfolding.notes.extend(layout.notes(&surface));
-                unfolding.drawing = Some(drawing);
-                return Ok(unfolding);
-            }
-            Err(PatternError::Cancelled) => return Err(ShapeError::Cancelled),
-            // The first way to cut is the plainest, so its overlap is the one to report.
-            Err(error) if unfolding.reason.is_none() => {
-                let faces = overlapping(&error, &drawing)
-                    .ok_or_else(|| ShapeError::Pattern(error.to_string()))?;
-                unfolding.outcome = Outcome::Overlap;
-                unfolding.reason = Some(Reason::FacesOverlap { faces, ways: tries });
-            }
-            Err(_) => {}
-        }
-    }
+    unfolder.unfold(&mut unfolding)?;
     Ok(unfolding)
 }
 
-/// Returns the precision of the flat sheet of a shape: a unit of the shape's coordinates moves a face by that unit, and
-/// turns it by the unit over its size.
-fn precision_of(shape: &FoldedShape, pattern: &CreasePattern) -> Precision {
-    let points = shape.vertices.iter().map(|&point| point.into());
-    let length = Digits::of_coordinates(points, |_| false);
+/// A surface that is to be laid flat.
+struct Unfolder<'a> {
+    shape: &'a FoldedShape,
+    surface: &'a Surface,
+    creases: &'a Creases,
+    faces: &'a ConvexFaces,
+    options: &'a UnfoldOptions,
+    watch: Watch<'a>,
+}
+
+impl Unfolder<'_> {
+    /// Lays the surface flat. Each part is cut in other ways until it does not lie on itself. If every way overlaps, the
+    /// layouts are parted into pieces, and the one with the fewest pieces is taken.
+    fn unfold(&self, unfolding: &mut Unfolding) -> Result<(), ShapeError> {
+        let surface = self.surface;
+        let parts = surface.parts();
+        let plain = (0..parts).all(|part| surface.is_plain(part));
+        let tries = if plain || self.options.cut == Cut::None {
+            1
+        } else {
+            self.options.attempts.max(1)
+        };
+        let mut attempts = vec![0; parts];
+        let mut flat = vec![false; parts];
+        let mut overlapping = Vec::new();
+        for attempt in 0..tries {
+            self.go_on(attempt, tries)?;
+            let layout = Layout::new(self.shape, surface, self.creases, &attempts);
+            if let (Cut::None, Some(ends)) = (self.options.cut, layout.first_cut(surface)) {
+                unfolding.reason = Some(Reason::RingStaysOpen { ends });
+                return Ok(());
+            }
+            let touch = layout.touch(surface);
+            let mut overlap = None;
+            for part in (0..parts).filter(|part| !flat[*part]).collect::<Vec<_>>() {
+                match layout.overlap(surface, self.faces, part, touch) {
+                    None => flat[part] = true,
+                    Some(faces) => {
+                        overlap = overlap.or(Some(faces));
+                        attempts[part] += 1;
+                    }
+                }
+            }
+            // The first way to cut is the plainest, so its overlap is the one to report.
+            let is_flat = match overlap {
+                None => self.accept(&layout, unfolding, tries)?,
+                Some(faces) => {
+                    let ways = tries;
+                    let reason = Reason::FacesOverlap { faces, ways };
+                    unfolding.outcome = Outcome::Overlap;
+                    unfolding.reason.get_or_insert(reason);
+                    false
+                }
+            };
+            if is_flat {
+                return Ok(());
+            }
+            if overlap.is_none() {
+                // The check of the pattern knows no parts.
+                flat.fill(false);
+                attempts.iter_mut().for_each(|it| *it += 1);
+            }
+            if overlapping.len() < MAX_PARTED {
+                overlapping.push((layout, touch));
+            }
+        }
+        if tries == 1 {
+            return Ok(());
+        }
+        let is_folded = |edge: usize| self.creases.angles[edge].abs() > 0.0;
+        let mut parted = Vec::new();
+        for (attempt, (layout, touch)) in overlapping.iter().enumerate() {
+            self.go_on(attempt, overlapping.len())?;
+            let layout = pieces::parted(layout, surface, self.faces, is_folded, *touch);
+            parted.extend(layout);
+        }
+        parted.sort_by_key(|layout| (layout.pieces(), layout.cuts(surface)));
+        for layout in parted {
+            self.go_on(0, 1)?;
+            if self.accept(&layout, unfolding, tries)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells how far the work is.
+    ///
+    /// # Errors
+    /// If the call was cancelled.
+    fn go_on(&self, done: usize, of: usize) -> Result<(), ShapeError> {
+        if self.watch.is_over() {
+            return Err(ShapeError::Cancelled);
+        }
+        self.watch.done(done, of);
+        Ok(())
+    }
+
+    /// Makes the pattern of a layout, measures it against the shape and returns `true`, or returns `false` if the layout
+    /// is no planar pattern.
+    fn accept(
+        &self,
+        layout: &Layout,
+        unfolding: &mut Unfolding,
+        ways: usize,
+    ) -> Result<bool, ShapeError> {
+        let (shape, surface) = (self.shape, self.surface);
+        let (mut drawing, sources) = layout.drawing(surface, self.creases);
+        let mut targets = sources.iter().map(|&v| shape.vertices[v]).collect();
+        join_touching(&mut drawing, &mut targets, layout.touch(surface));
+        let pattern = match CreasePattern::watched(drawing.clone(), self.watch) {
+            Ok(pattern) => pattern,
+            Err(PatternError::Cancelled) => return Err(ShapeError::Cancelled),
+            Err(error) => {
+                if unfolding.reason.is_none() {
+                    let faces = overlapping(&error, &drawing)
+                        .ok_or_else(|| ShapeError::Pattern(error.to_string()))?;
+                    unfolding.outcome = Outcome::Overlap;
+                    unfolding.reason = Some(Reason::FacesOverlap { faces, ways });
+                }
+                return Ok(false);
+            }
+        };
+        measure(shape, &pattern, &targets, unfolding);
+        unfolding.outcome = Outcome::Unfolded;
+        unfolding.reason = None;
+        unfolding.cuts = layout.cuts(surface);
+        unfolding.pieces = pattern.sheets();
+        unfolding.precision = precision_of(shape, surface, &pattern, unfolding.deviation);
+        unfolding.notes.extend(self.note_of_corners());
+        unfolding.notes.extend(layout.notes(surface));
+        unfolding.drawing = Some(drawing);
+        Ok(true)
+    }
+
+    /// Returns a note of the corners to which the boundary is cut, or of angle defects that count as rounding.
+    fn note_of_corners(&self) -> Vec<String> {
+        let surface = self.surface;
+        let mut notes = Vec::new();
+        let open = |part: usize| !surface.closed[part];
+        if let Some((vertex, defect)) = surface.worst_corner(open) {
+            let corners = surface.corners.iter();
+            let corners = corners.filter(|&&point| open(surface.part_of(point)));
+            let [x, y, z]: [f64; 3] = self.shape.vertices[vertex].into();
+            notes.push(format!(
+                "corners, vertices inside a part with a boundary whose angles do not sum to 360 degrees: {} (farthest \
+                 from it: vertex {vertex} at ({x}, {y}, {z}) with {:.6} degrees)",
+                corners.count(),
+                360.0 - defect.to_degrees()
+            ));
+        }
+        let noise = surface.noise();
+        if noise > self.options.max_defect {
+            notes.push(format!(
+                "angle defects up to {:.4} degrees are within the rounding of coordinates to {:.0e}, and taken for none",
+                noise.to_degrees(),
+                surface.length.unit()
+            ));
+        }
+        notes
+    }
+}
+
+/// Returns the precision of the flat sheet of a shape. Its lengths are as precise as the coordinates of the shape, and as the
+/// sheet that is folded back. A unit of length moves a face by that unit, and turns it by the unit over its size.
+fn precision_of(
+    shape: &FoldedShape,
+    surface: &Surface,
+    pattern: &CreasePattern,
+    deviation: Option<f64>,
+) -> Precision {
+    let off = deviation.filter(|off| *off > MAX_ROUNDING_RATIO);
+    let off = Digits::of_unit(2.0 * off.unwrap_or_default() * shape.size());
+    let length = surface.length.coarser(off);
     Precision {
         length,
         angle: length.scaled(1.0 / pattern.median_edge()),
@@ -264,17 +448,17 @@ fn precision_of(shape: &FoldedShape, pattern: &CreasePattern) -> Precision {
 pub(crate) fn fold_angles(shape: &FoldedShape) -> Result<Vec<f64>, ShapeError> {
     let (mut notes, UnfoldOptions { max_defect, .. }) = (Vec::new(), UnfoldOptions::default());
     let mut surface = Surface::new(shape, max_defect, &mut notes)?;
-    let mut angles = Creases::measure(shape, &mut surface, max_defect, &mut notes).angles;
+    let mut angles = Creases::measure(shape, &mut surface, &mut notes).angles;
     angles.truncate(shape.edges.len());
     Ok(angles)
 }
 
-/// Records the size of the pattern and the errors of its goal against the shape. `sources` has for each vertex of the
-/// drawing the vertex of the shape.
+/// Records the size of the pattern and the errors of its goal against the shape. `targets` has for each vertex of the
+/// drawing its place in the shape.
 fn measure(
     shape: &FoldedShape,
     pattern: &CreasePattern,
-    sources: &[usize],
+    targets: &[Vector3<f64>],
     unfolding: &mut Unfolding,
 ) {
     let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
@@ -284,9 +468,8 @@ fn measure(
     unfolding.max_closure = closure_of(pattern, &goals);
     let angles: Vec<f64> = goals.iter().map(|goal| goal.unwrap_or(0.0)).collect();
     let folded = FoldingMap::new(pattern, pattern.tree(), &angles);
-    let target: Vec<Vector3<f64>> = sources.iter().map(|&v| shape.vertices[v]).collect();
-    let laid = align_sheets(pattern, folded.vertices(), &target);
-    let off = laid.iter().zip(&target).map(|(a, b)| (a - b).norm());
+    let laid = align_sheets(pattern, folded.vertices(), targets);
+    let off = laid.iter().zip(targets).map(|(a, b)| (a - b).norm());
     unfolding.deviation = Some(crate::util::nan_max::largest(off) / shape.size());
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
-use crate::pattern::{LARGEST, Letter};
+use crate::pattern::{Digits, LARGEST, Letter};
 use crate::util::nan_max::{diagonal, largest};
 
 /// Smallest area of a face, as a fraction of its squared extent.
@@ -39,8 +39,14 @@ impl FoldedShape {
         diagonal(&self.vertices)
     }
 
+    /// Returns the precision with which the coordinates were written, as [`Digits::of_coordinates`] does.
+    pub(crate) fn digits(&self, rounded: impl FnOnce(f64) -> bool) -> Digits {
+        let points = self.vertices.iter().map(|&point| point.into());
+        Digits::of_coordinates::<3>(points, rounded)
+    }
+
     /// Checks that the shape has faces, finite vertices, and no reference to a vertex that does not exist.
-    pub(super) fn check(&self) -> Result<(), ShapeError> {
+    pub(crate) fn check(&self) -> Result<(), ShapeError> {
         if self.faces.is_empty() {
             return Err(ShapeError::NoFaces);
         }
@@ -63,19 +69,18 @@ impl FoldedShape {
         }
         for (face, cycle) in self.faces.iter().enumerate() {
             known("face", face, cycle)?;
-            let mut sorted = cycle.clone();
-            sorted.sort_unstable();
-            if cycle.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-                return Err(ShapeError::NoArea { face });
-            }
         }
         Ok(())
     }
 
-    /// Returns the unit normal of a face in the order of its vertices (Newell's method). Fails if a corner is off the
-    /// face's plane by more than `slope` times the face's extent.
-    pub(super) fn normal(&self, face: usize, slope: f64) -> Result<Vector3<f64>, ShapeError> {
+    /// Returns the plane of a face, whose normal follows from the order of the face's vertices (Newell's method).
+    pub(super) fn plane(&self, face: usize) -> Result<Plane, ShapeError> {
         let cycle = &self.faces[face];
+        let mut sorted = cycle.clone();
+        sorted.sort_unstable();
+        if cycle.len() < 3 || sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(ShapeError::NoArea { face });
+        }
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
         let count = cycle.len() as f64;
         let center = cycle
@@ -92,13 +97,48 @@ impl FoldedShape {
         }
         let normal = twice_area / area;
         let off = |k: usize| arm(k).dot(&normal).abs();
-        match corners.max_by(|&a, &b| off(a).total_cmp(&off(b))) {
-            Some(worst) if off(worst) > slope * extent => Err(ShapeError::NotFlat {
-                face,
-                vertex: cycle[worst],
-                off: off(worst),
-            }),
-            _ => Ok(normal),
+        let worst = corners
+            .max_by(|&a, &b| off(a).total_cmp(&off(b)))
+            .unwrap_or(0);
+        Ok(Plane {
+            normal,
+            extent,
+            vertex: cycle[worst],
+            off: off(worst),
+        })
+    }
+}
+
+/// Plane through the middle of a face.
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    pub(super) normal: Vector3<f64>,
+    /// Largest distance of a corner of the face from its middle.
+    extent: f64,
+    /// The corner that is farthest from the plane, and its distance.
+    vertex: usize,
+    off: f64,
+}
+
+impl Plane {
+    /// Returns the largest slope of a corner out of the plane, radians.
+    pub(super) fn slope(&self) -> f64 {
+        self.off / self.extent
+    }
+
+    /// Returns `true` if the rounding of coordinates to this unit explains that corners are off the plane, which is at most
+    /// a slope of `most` radians.
+    pub(super) fn is_rounded_to(&self, unit: f64, most: f64) -> bool {
+        self.off <= 2.0 * unit && self.slope() <= most
+    }
+
+    /// Makes the error that the face is not flat.
+    pub(super) fn not_flat(&self, face: usize) -> ShapeError {
+        ShapeError::NotFlat {
+            face,
+            vertex: self.vertex,
+            off: self.off,
+            slope: self.slope(),
         }
     }
 }
@@ -146,6 +186,16 @@ pub enum ShapeError {
         vertex: usize,
         /// The vertex's distance from the plane.
         off: f64,
+        /// The distance over the extent of the face: the slope that would have to count as flat, radians.
+        slope: f64,
+    },
+    /// A face whose sides cross each other, or with too many corners.
+    #[error("face {face}: expected a polygon whose sides do not cross: {why}")]
+    NotSimple {
+        /// The face.
+        face: usize,
+        /// The defect of the face alone.
+        why: String,
     },
     /// More than two faces at an edge.
     #[error(

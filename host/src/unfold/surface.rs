@@ -5,9 +5,10 @@ use std::collections::HashMap;
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{FoldedShape, ShapeError};
+use super::shape::Plane;
+use super::{FoldedShape, ShapeError, angles};
 use crate::folding::in_plane;
-use crate::pattern::{LARGEST, Letter};
+use crate::pattern::{Digits, LARGEST, Letter};
 use crate::util::angle::turn_between;
 use crate::util::union_find::UnionFind;
 
@@ -57,27 +58,58 @@ pub(super) struct Surface {
     turned: Vec<bool>,
     /// For each face the number of its part. Parts are connected components: different parts share at most points.
     pub(super) parts: Vec<usize>,
-    /// Unit normals in the file's order.
-    normals: Vec<Vector3<f64>>,
+    /// Planes of the faces, with normals in the file's order.
+    planes: Vec<Plane>,
     /// Positions of the corners in the planes of their faces, seen from above.
     pub(super) local: Vec<Vector2<f64>>,
     /// For each corner the first corner at the same point of the paper.
-    points: Vec<usize>,
-    /// Interior points with their angle defects, radians.
-    defects: Vec<(usize, f64)>,
+    pub(super) points: Vec<usize>,
+    /// The points inside the paper.
+    defects: Vec<Defect>,
     /// For each part `true` if it has no boundary, and `true` if it is a disc.
     pub(super) closed: Vec<bool>,
-    pub(super) discs: Vec<bool>,
+    discs: Vec<bool>,
+    /// Largest angle defect (radians) that counts as none, and largest slope of a corner out of the plane of its face.
+    pub(super) bound: f64,
+    /// Precision with which the coordinates of the shape were written.
+    pub(super) length: Digits,
+    /// Points that are corners: their angle defects are neither within the bound nor explained by the rounding of
+    /// coordinates.
+    pub(super) corners: Vec<usize>,
+    /// For each part `true` if it has a corner.
+    pub(super) has_corners: Vec<bool>,
 }
+
+/// Angle defect of a point inside the paper.
+struct Defect {
+    /// The point: its first corner.
+    point: usize,
+    /// A full turn less the sum of the angles, radians.
+    defect: f64,
+    /// Largest defect (radians) that coordinates off by one make, to first and to second order.
+    per_unit: [f64; 2],
+}
+
+impl Defect {
+    /// Returns the largest defect (radians) that coordinates rounded to this unit make.
+    fn rounding(&self, unit: f64) -> f64 {
+        let [first, second] = self.per_unit;
+        (unit / 2.0 * (first + second * unit / 2.0)).min(MAX_ROUNDING_RAD)
+    }
+}
+
+/// Largest angle defect (radians) that is put down to the rounding of coordinates: 1 degree. A larger defect is a corner,
+/// even if the coordinates have few digits.
+pub(super) const MAX_ROUNDING_RAD: f64 = core::f64::consts::PI / 180.0;
 
 impl Surface {
     /// Builds the surface of a shape and turns its faces to the same side.
     ///
     /// # Errors
-    /// If the shape is no surface with two sides, or if its faces are not flat to within `slope`.
+    /// If the shape is no surface with two sides, or if its faces are not flat to within `bound`, radians.
     pub(super) fn new(
         shape: &FoldedShape,
-        slope: f64,
+        bound: f64,
         notes: &mut Vec<String>,
     ) -> Result<Self, ShapeError> {
         shape.check()?;
@@ -88,8 +120,8 @@ impl Surface {
             corners - cycle.len()
         });
         let first = first.collect();
-        let normals = (0..faces.len()).map(|face| shape.normal(face, slope));
-        let normals = normals.collect::<Result<Vec<_>, _>>()?;
+        let planes = (0..faces.len()).map(|face| shape.plane(face));
+        let planes = planes.collect::<Result<Vec<_>, _>>()?;
         let edges = edges(shape, notes)?;
         let mut surface = Self {
             turned: vec![false; faces.len()],
@@ -97,12 +129,48 @@ impl Surface {
             faces,
             first,
             edges,
-            normals,
+            planes,
+            bound,
             ..Self::default()
         };
         surface.turn_alike(notes)?;
         surface.measure(shape);
+        surface.length = shape.digits(|unit| surface.looks_rounded(shape, unit));
+        surface.check_flat()?;
+        surface.find_corners();
         Ok(surface)
+    }
+
+    /// Returns `true` if the shape looks as if its coordinates were rounded to this unit: rounding explains every face that is
+    /// not quite flat and every small angle defect, and there is one of these, or an edge that is not quite flat.
+    fn looks_rounded(&self, shape: &FoldedShape, unit: f64) -> bool {
+        let small = |error: f64| error > self.bound && error <= MAX_ROUNDING_RAD;
+        let bent = self
+            .planes
+            .iter()
+            .filter(|plane| plane.slope() > self.bound);
+        let odd = self.defects.iter().filter(|it| small(it.defect.abs()));
+        let is_rounded = |plane: &Plane| plane.is_rounded_to(unit, MAX_ROUNDING_RAD);
+        let mut any = false;
+        let explained = bent.inspect(|_| any = true).all(is_rounded);
+        let explained = explained
+            && odd
+                .inspect(|_| any = true)
+                .all(|it| it.defect.abs() <= it.rounding(unit));
+        let is_bent = |edge| angles::is_flat_but_for(shape, self, edge, unit);
+        explained && (any || self.edges.iter().any(is_bent))
+    }
+
+    /// Checks that all faces are flat, to within the bound or the rounding of coordinates.
+    fn check_flat(&self) -> Result<(), ShapeError> {
+        let unit = self.length.unit();
+        let is_flat = |plane: &Plane| {
+            plane.slope() <= self.bound || plane.is_rounded_to(unit, MAX_ROUNDING_RAD)
+        };
+        let bent = self.planes.iter().enumerate();
+        let bent = bent.filter(|(_, plane)| !is_flat(plane));
+        let worst = bent.max_by(|a, b| a.1.slope().total_cmp(&b.1.slope()));
+        worst.map_or(Ok(()), |(face, plane)| Err(plane.not_flat(face)))
     }
 
     /// Turns all faces of each part to the side of most of them. Fails on a one-sided part.
@@ -167,6 +235,7 @@ impl Surface {
             *turned ^= over[part];
         }
         self.measure(shape);
+        self.find_corners();
     }
 
     /// Measures the faces in their planes, seen from above, and the angles round vertices.
@@ -211,8 +280,52 @@ impl Surface {
         for (disc, (euler, closed)) in self.discs.iter_mut().zip(euler.iter().zip(&self.closed)) {
             *disc = *euler == 1 && !closed;
         }
+        let per_unit = self.levers(shape, &inside);
         let interior = (0..inside.len()).filter(|&c| inside[c] && self.points[c] == c);
-        self.defects = interior.map(|c| (c, TAU - sums[c])).collect();
+        let defects = interior.map(|point| Defect {
+            point,
+            defect: TAU - sums[point],
+            per_unit: per_unit[point],
+        });
+        self.defects = defects.collect();
+    }
+
+    /// Returns for each point that is `inside` the largest change of the sum of its angles, for vertices that are off by
+    /// one in each coordinate: to first and to second order.
+    ///
+    /// The gradient of an angle with respect to the end of one of its sides lies in the plane of the face, is perpendicular
+    /// to the side, and is as long as the inverse of the side. The gradients of both angles at a side are summed before
+    /// their size counts: they cancel where both faces lie in a plane.
+    fn levers(&self, shape: &FoldedShape, inside: &[bool]) -> Vec<[f64; 2]> {
+        let mut levers = vec![[0.0; 2]; self.local.len()];
+        let mut gradients = Vec::new();
+        for face in 0..self.faces.len() {
+            let (up, cycle) = (self.up(face), self.cycle(face));
+            let vertex = |k: usize| {
+                let corner = cycle[k % cycle.len()];
+                self.faces[face][corner - self.first[face]]
+            };
+            for (k, &corner) in cycle.iter().enumerate() {
+                let point = self.points[corner];
+                if !inside[point] {
+                    continue;
+                }
+                let here = vertex(k);
+                for (end, sign) in [(vertex(k + 1), 1.0), (vertex(k + cycle.len() - 1), -1.0)] {
+                    let side = shape.vertices[end] - shape.vertices[here];
+                    let gradient = sign * side.cross(&up) / side.norm_squared();
+                    gradients.push(((point, end), gradient));
+                    gradients.push(((point, here), -gradient));
+                    levers[point][1] += 4.0 / side.norm_squared();
+                }
+            }
+        }
+        gradients.sort_by_key(|(ends, _)| *ends);
+        for same in gradients.chunk_by(|a, b| a.0 == b.0) {
+            let sum: Vector3<f64> = same.iter().map(|(_, gradient)| gradient).sum();
+            levers[same[0].0.0][0] += sum.abs().sum();
+        }
+        levers
     }
 
     /// Returns the angle of a face at one of its corners, radians, from 0 to a full turn.
@@ -260,11 +373,8 @@ impl Surface {
 
     /// Returns the unit normal of a face on its upper side.
     pub(super) fn up(&self, face: usize) -> Vector3<f64> {
-        if self.turned[face] {
-            -self.normals[face]
-        } else {
-            self.normals[face]
-        }
+        let Plane { normal, .. } = self.planes[face];
+        if self.turned[face] { -normal } else { normal }
     }
 
     /// Returns the indices of a face's corners, counter-clockwise seen from above.
@@ -291,9 +401,9 @@ impl Surface {
         self.closed.len()
     }
 
-    /// Returns `true` if every part is a disc.
-    pub(super) fn is_disc(&self) -> bool {
-        self.discs.iter().all(|disc| *disc)
+    /// Returns `true` if a part is a plain sheet: a disc without corners.
+    pub(super) fn is_plain(&self, part: usize) -> bool {
+        self.discs[part] && !self.has_corners[part]
     }
 
     /// Returns the number of vertices that faces use. A vertex counts once for each point of the paper at its place.
@@ -304,27 +414,65 @@ impl Surface {
 
     /// Returns the largest absolute angle defect of an interior vertex, radians.
     pub(super) fn max_defect(&self) -> f64 {
-        crate::util::nan_max::largest(self.defects.iter().map(|(_, defect)| defect.abs()))
+        crate::util::nan_max::largest(self.defects.iter().map(|it| it.defect.abs()))
     }
 
-    /// Returns the largest absolute angle defect (radians) that is at most `bound`: the noise of the shape.
-    pub(super) fn noise(&self, bound: f64) -> f64 {
-        let defects = self.defects.iter().map(|(_, defect)| defect.abs());
-        crate::util::nan_max::largest(defects.filter(|defect| *defect <= bound))
+    /// Finds the corners.
+    fn find_corners(&mut self) {
+        let corners = self.defects.iter().filter(|it| self.is_corner(it));
+        self.corners = corners.map(|it| it.point).collect();
+        self.has_corners = vec![false; self.parts()];
+        for &corner in &self.corners {
+            let part = self.part_of(corner);
+            self.has_corners[part] = true;
+        }
     }
 
-    /// Returns the vertex whose absolute angle defect is farthest above `bound`, and that defect. Only parts with a
-    /// boundary count, as these are not cut to remove defects.
-    pub(super) fn not_developable(&self, bound: f64) -> Option<(usize, f64)> {
-        let corner_face = |corner: usize| self.first.partition_point(|first| *first <= corner) - 1;
-        let bad = self.defects.iter().filter(|(corner, defect)| {
-            // A NaN is no defect of a developable vertex either.
-            (defect.abs() > bound || defect.is_nan())
-                && !self.closed[self.parts[corner_face(*corner)]]
-        });
-        let worst = bad.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        let vertex = self.corner_vertices().nth(worst.0)?;
-        Some((vertex, worst.1))
+    /// A NaN is no defect of a developable vertex either.
+    fn is_corner(&self, it: &Defect) -> bool {
+        let within = self.bound.max(it.rounding(self.length.unit()));
+        it.defect.abs() > within || it.defect.is_nan()
+    }
+
+    /// Returns the largest absolute angle defect (radians) that counts as none: the noise of the shape.
+    pub(super) fn noise(&self) -> f64 {
+        let noise = self.defects.iter().filter(|it| !self.is_corner(it));
+        crate::util::nan_max::largest(noise.map(|it| it.defect.abs()))
+    }
+
+    /// Returns for each part `true` if it may be a sheet that was measured or computed with errors, rather than a shape with
+    /// corners: it has a boundary, and its largest angle defect and the sum of its defects are small.
+    pub(super) fn nearly_plain(&self) -> Vec<bool> {
+        let mut parts = vec![[0.0; 2]; self.parts()];
+        for it in &self.defects {
+            let [sum, largest] = &mut parts[self.part_of(it.point)];
+            *sum += it.defect;
+            *largest = crate::util::nan_max::larger(*largest, it.defect.abs());
+        }
+        let small = |[sum, largest]: [f64; 2]| sum.abs().max(largest) <= MAX_ROUNDING_RAD;
+        let parts = parts.into_iter().zip(&self.closed);
+        parts
+            .map(|(defects, closed)| !closed && small(defects))
+            .collect()
+    }
+
+    /// Returns the vertex at the worst corner of the parts for which `counts` returns `true`, and its angle defect.
+    pub(super) fn worst_corner(&self, counts: impl Fn(usize) -> bool) -> Option<(usize, f64)> {
+        let bad = self.defects.iter();
+        let bad = bad.filter(|it| self.is_corner(it) && counts(self.part_of(it.point)));
+        let worst = bad.max_by(|a, b| a.defect.abs().total_cmp(&b.defect.abs()))?;
+        let vertex = self.corner_vertices().nth(worst.point)?;
+        Some((vertex, worst.defect))
+    }
+
+    /// Returns the points inside the paper.
+    pub(super) fn inner_points(&self) -> impl Iterator<Item = usize> {
+        self.defects.iter().map(|it| it.point)
+    }
+
+    /// Returns the part of the face with this corner.
+    pub(super) fn part_of(&self, corner: usize) -> usize {
+        self.parts[self.first.partition_point(|first| *first <= corner) - 1]
     }
 }
 

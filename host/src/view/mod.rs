@@ -7,7 +7,8 @@ mod scene;
 use serde::{Serialize, Serializer};
 
 use crate::check::WorstPair;
-use crate::pattern::FaceId;
+use crate::export::svg_pattern::numbered;
+use crate::pattern::{CreasePattern, FaceId};
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -19,6 +20,16 @@ const SCRIPTS: [&str; 4] = [
     include_str!("page/page.js"),
 ];
 const PLACEHOLDER: &str = "/*SCENE*/";
+
+/// Makes the page that shows a crease pattern: its drawing with the numbers of the edges.
+#[must_use]
+pub fn pattern_page(title: &str, pattern: &CreasePattern) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>crease pattern</title>\n\
+         <style>body {{ margin: 0 }} svg {{ width: 100vw; height: 100vh }}</style>\n{}</html>\n",
+        numbered(title, pattern)
+    )
+}
 
 /// The data of the page: the flat sheet and the motion of its hinges. The page folds the sheet itself, at any time,
 /// face by face along the spanning tree.

@@ -109,6 +109,7 @@ class Motion:
         per: Literal["hinge", "group"] | None = None,
         frames: int | None = None,
         colour: Literal["letters", "groups", "deformation"] | None = None,
+        numbers: bool | None = None,
     ) -> None:
         """Export the motion, as ``foldpath export`` does.
 
@@ -132,6 +133,7 @@ class Motion:
           frame for each knot. By default glb also has frames between the knots, so that no hinge turns by more than 6
           degrees from one frame to the next
         - ``colour``: With svg: meaning of the colours
+        - ``numbers``: With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
         """
         given = dict(locals())
         arguments = [f"--output={os.fsdecode(given.pop('file'))}"]

@@ -96,8 +96,10 @@ def plan(
     contact: float | None = None,
     tolerance: float | None = None,
     straighten: Literal["auto", "on", "off"] | None = None,
+    frame: int | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
+    dashes: Literal["V", "M", "F", "U"] | None = None,
     jobs: int | None = None,
 ) -> Plan:
     """Find a path from the flat sheet to a goal.
@@ -157,12 +159,17 @@ def plan(
     - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
       do. No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn
       are straightened. Notes tell how many vertices are moved, and by how much
+    - ``frame``: Frame of a FOLD file with the crease pattern; the key frame is 0. By default it is the first frame of
+      class creasePattern, or else the key frame. A note names other frames that have a crease pattern. Goals come
+      only from folded frames that inherit from the frame
     - ``unit``: Unit of the lengths of a file that names none. A unit that differs from that of the file is an error.
       Places, lengths, paths and models have the unit of the file
     - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
       or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
       colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
       Origami Simulator
+    - ``dashes``: Letter of the dashed lines of an SVG drawing, whatever their colour. Without this option dashes mean
+      nothing: a dashed line has the letter of its colour
     """
     given = dict(locals())
     pattern, jobs = given.pop("pattern"), given.pop("jobs")

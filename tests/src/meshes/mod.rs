@@ -9,11 +9,13 @@ mod maps;
 mod measured;
 mod moved;
 mod net;
+mod open;
 mod simple_folds;
 mod strips;
 mod tree;
 mod variant;
 mod vertex;
+mod windows;
 
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
@@ -26,11 +28,13 @@ pub use maps::{map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use net::{net, net_of};
+pub use open::open_shape;
 pub use simple_folds::simple_folds;
 pub use strips::{strips, wide_strips};
 pub use tree::{chain, tree};
 pub use variant::{renumbered, variant};
 pub use vertex::{slender, vertex};
+pub use windows::windows;
 
 use crate::{Closure, Random};
 

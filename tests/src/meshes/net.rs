@@ -42,7 +42,8 @@ pub fn net_of(random: &mut Random, corners: usize) -> Option<Drawing> {
             .collect(),
         edges: Vec::new(),
     };
-    let mut net = unfold(&shape, &UnfoldOptions::default()).ok()?.drawing?;
+    let unfolding = unfold(&shape, &UnfoldOptions::default()).ok()?;
+    let mut net = unfolding.drawing.filter(|_| unfolding.pieces == 1)?;
     for goal in net.edges.iter_mut().filter_map(|edge| edge.goal.as_mut()) {
         *goal = (*goal / UNIT).round() * UNIT;
     }

@@ -159,7 +159,7 @@ fn values_of_the_wrong_type() {
         /edges_vertices = 7 => edges_vertices: expected a list, found 7
         /edges_vertices = ; /faces_vertices = ; /edges_assignment = ; /edges_foldAngle = => \
             edges_vertices: expected a list (or faces_vertices, or vertices_vertices), found nothing
-        /edges_vertices/3 = [1,2,3] => edges_vertices[3]: expected 2 vertices, found a list of 3
+        /edges_vertices/3 = [1,2,3] => edges_vertices[3]: expected 2 vertices, or 4 of a curve, found a list of 3
         /edges_vertices/3/0 = "1" => edges_vertices[3][0]: expected a whole number from 0, found "1"
         /edges_vertices/3/0 = -1 => edges_vertices[3][0]: expected a whole number from 0, found -1
         /edges_vertices/3/0 = 1.5 => edges_vertices[3][0]: expected a whole number from 0, found 1.5
@@ -296,14 +296,25 @@ fn goal_files_that_no_hinge_can_follow() {
     );
 }
 
+/// A file without knots is a crease pattern, which `check` refuses and `view` draws.
+#[test]
+fn paths_without_knots() {
+    assert_edits_refused(
+        &path(),
+        &PATH[..1],
+        r#"
+        /file_frames = => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
+        /file_frames = [] => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
+        "#,
+    );
+}
+
 #[test]
 fn frames_that_are_no_knots() {
     assert_edits_refused(
         &path(),
         &PATH,
         r#"
-        /file_frames = => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
-        /file_frames = [] => file_frames: expected at least one knot (of a path; `foldpath plan` makes one of a crease pattern), found none
         /file_frames/3/edges_foldAngle = => file_frames[3].edges_foldAngle: expected a list, found nothing
         /file_frames/3/edges_foldAngle = [0] => file_frames[3].edges_foldAngle: expected 24 entries, one for each edge, found 1
         /file_frames/3/edges_foldAngle/2 = null => file_frames[3].edges_foldAngle[2]: expected a number, found null

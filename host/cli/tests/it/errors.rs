@@ -288,7 +288,7 @@ fn wrong_files() {
         plan .
         plan path.traj
         check miura.fold
-        view miura.fold -o a.html
+        plot miura.fold -o a.svg
         export miura.fold --to traj -o a.traj
         stream path.fold --to sim
         stream drawing.xml --to sim
@@ -449,10 +449,15 @@ fn errors_of_the_libraries() {
             last: 7,
         },
         ShapeError::NoArea { face: 2 },
+        ShapeError::NotSimple {
+            face: 5,
+            why: "its sides cross".into(),
+        },
         ShapeError::NotFlat {
             face: 2,
             vertex: 3,
             off: 0.25,
+            slope: 0.1,
         },
         ShapeError::Branching {
             ends: [1, 2],

@@ -383,3 +383,37 @@ fn what_cannot_be_exported_is_refused_and_nothing_written() {
     let expected = "-o: a-0001.obj is an input file, expected another";
     assert!(answer.tells(expected), "{}", answer.stderr);
 }
+
+/// The numbers in a drawing are those of `info --edges` and `--crease`. They are no lines when the drawing is read again.
+#[test]
+fn drawings_show_the_numbers_of_edges() {
+    let folder = folder();
+    folder.write(
+        "a.cp",
+        "1 0 0 2 0\n1 2 0 2 1\n1 2 1 0 1\n1 0 1 0 0\n2 1 0 1 1\n",
+    );
+    folder.done("export a.cp --to svg --numbers -o a.svg");
+    folder.done("view a.cp -o a.html");
+    let edges = folder.done("info a.cp --json").json()["edges"]
+        .as_u64()
+        .unwrap();
+    for name in ["a.svg", "a.html"] {
+        let text = folder.read(name);
+        for edge in 0..edges {
+            assert!(text.contains(&format!(">{edge}</text>")), "{name}: {edge}");
+        }
+        assert!(!text.contains(&format!(">{edges}</text>")), "{name}");
+    }
+    let again = folder.done("info a.svg --json").json();
+    assert_eq!(again["edges"].as_u64(), Some(edges));
+    let refused = folder
+        .run("export a.cp --to csv --numbers -o a.csv")
+        .with_status(2);
+    assert!(
+        refused.tells("--numbers: expected --to svg, found --to csv"),
+        "{}",
+        refused.stderr
+    );
+    folder.write("b.cp", "1 0 0 x 0\n");
+    folder.run("view b.cp -o b.html").with_status(2);
+}

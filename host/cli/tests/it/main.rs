@@ -1,6 +1,7 @@
 //! Tests that run the command, one module for each subject.
 
 mod answers;
+mod as_drawn;
 mod bad_files;
 mod batch;
 mod cli;

@@ -448,3 +448,153 @@ fn a_frame_that_shows_another_sheet_is_no_goal() {
         assert!(line.contains(expected), "{edits}: {line}");
     }
 }
+
+/// A strip of two panels, with these letters and angles of its seven edges.
+fn strip_of_two() -> Value {
+    json!({
+        "vertices_coords": [[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [0, 1]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0], [1, 4]],
+        "edges_assignment": ["B", "B", "B", "B", "B", "B", "V"],
+        "faces_vertices": [[0, 1, 4, 5], [1, 2, 3, 4]],
+    })
+}
+
+/// Edges that are written twice are left out where a file has faces, as where it has none.
+#[test]
+fn doubled_edges_beside_faces_are_left_out() {
+    let folder = folder();
+    let mut file = strip_of_two();
+    for (ends, letter) in [([1, 4], "F"), ([4, 1], "V"), ([2, 1], "M")] {
+        file["edges_vertices"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!(ends));
+        file["edges_assignment"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!(letter));
+    }
+    folder.write("a.fold", &file.to_string());
+    let with_faces = folder.done("info a.fold --json").json();
+    let said = with_faces["assumptions"].to_string();
+    assert!(said.contains("left out: 3 (first: edge 7)"), "{said}");
+    file.as_object_mut().unwrap().remove("faces_vertices");
+    folder.write("b.fold", &file.to_string());
+    let without = folder.done("info b.fold --json").json();
+    for key in ["edges", "faces", "creases"] {
+        assert_eq!(with_faces[key], without[key], "{key}");
+    }
+    assert_eq!(with_faces["letters"]["V"], 1);
+}
+
+/// Angles in radians are read as degrees, as FOLD says, and a note tells of it. Small angles in degrees are not suspected.
+#[test]
+fn angles_that_look_like_radians_are_told() {
+    let folder = folder();
+    for (angle, is_told) in [
+        (core::f64::consts::PI, true),
+        (core::f64::consts::FRAC_PI_2, true),
+        (2.5, false),
+        (180.0, false),
+        (3.0, false),
+    ] {
+        let mut file = strip_of_two();
+        file["edges_foldAngle"] = json!([0, 0, 0, 0, 0, 0, angle]);
+        folder.write("a.fold", &file.to_string());
+        let said = folder.done("info a.fold --json").json()["assumptions"].to_string();
+        assert_eq!(said.contains("radians"), is_told, "{angle}: {said}");
+    }
+}
+
+/// A second pattern in a file is told, and `--frame` selects it with its goal.
+#[test]
+fn another_pattern_of_a_file_is_told_and_selected() {
+    let folder = folder();
+    let mut file = strip_of_two();
+    let mut second = strip_of_two();
+    second["vertices_coords"] = json!([[0, 0], [1, 0], [4, 0], [4, 1], [1, 1], [0, 1]]);
+    second["edges_assignment"][6] = json!("M");
+    second["edges_foldAngle"] = json!([0, 0, 0, 0, 0, 0, -90]);
+    second["frame_classes"] = json!(["creasePattern"]);
+    file["frame_classes"] = json!(["creasePattern"]);
+    file["file_frames"] = json!([second]);
+    folder.write("a.fold", &file.to_string());
+    for (option, letter, other) in [
+        ("", "V", "1"),
+        ("--frame 0", "V", "1"),
+        ("--frame 1", "M", "0"),
+    ] {
+        let answer = folder.done(&format!("info a.fold --json {option}")).json();
+        assert_eq!(answer["letters"][letter], 1, "{option}: {answer}");
+        let said = answer["assumptions"].to_string();
+        assert!(
+            said.contains(&format!("the key frame: {other}")),
+            "{option}: {said}"
+        );
+    }
+    folder.done("plan a.fold --frame 1 -o path.fold");
+    let path = folder.read_json("path.fold");
+    assert_eq!(path["vertices_coords"][2], json!([4.0, 0.0]));
+    let refused = folder.run("info a.fold --frame 2").with_status(2);
+    assert!(
+        refused.tells("a.fold: file_frames[1]: expected a frame, found none"),
+        "{}",
+        refused.stderr
+    );
+    folder.write("a.cp", "1 0 0 1 0\n");
+    let refused = folder.run("info a.cp --frame 1").with_status(2);
+    assert!(
+        refused.tells("a.cp: the frame: expected a FOLD file, which has frames, found a CP file"),
+        "{}",
+        refused.stderr
+    );
+    // A file with one pattern says nothing of others.
+    folder.write("b.fold", &strip_of_two().to_string());
+    let said = folder.done("info b.fold --json").json()["assumptions"].to_string();
+    assert!(!said.contains("other crease patterns"), "{said}");
+}
+
+/// Files of other programs are refused with the way out, and comments in JSON are named.
+#[test]
+fn files_of_other_programs_are_refused_with_the_way_out() {
+    let folder = folder();
+    for (name, text, expected) in [
+        (
+            "a.ori",
+            r#"{"version":"1.1.3","lineSegments":[]}"#,
+            "export the drawing as CP or FOLD",
+        ),
+        ("a.orh", "<線分集合>\n", "export the drawing as CP or FOLD"),
+        ("a.tmd5", "tree\n4.0\n", "TreeMaker"),
+        ("a.pdf", "%PDF-1.4\n", "as SVG"),
+        ("a.ply", "ply\nformat ascii 1.0\n", "as OBJ or STL"),
+        (
+            "line.fold",
+            "{\n  // mine\n  \"vertices_coords\": []}",
+            "JSON has no comments",
+        ),
+        (
+            "block.fold",
+            "{ /* mine */ \"vertices_coords\": []}",
+            "JSON has no comments",
+        ),
+        (
+            "behind.fold",
+            "{\"vertices_coords\": [], // mine\n \"a\": 1}",
+            "JSON has no comments",
+        ),
+        (
+            "list.fold",
+            "{\"vertices_coords\": [ // mine\n 1]}",
+            "JSON has no comments",
+        ),
+    ] {
+        folder.write(name, text);
+        let refused = folder.run(&format!("info {name}")).with_status(2);
+        assert!(
+            refused.stderr.contains(expected),
+            "{name}: {}",
+            refused.stderr
+        );
+    }
+}

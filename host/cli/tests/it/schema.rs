@@ -186,7 +186,7 @@ fn every_answer_fits_its_schema() {
         ("check.json", "check crossing.fold", 1),
         ("check.json", "check flipped.fold", 1),
         ("unfold.json", "unfold path.fold -o a.fold", 0),
-        ("unfold.json", "unfold tent.obj -o b.fold", 1),
+        ("unfold.json", "unfold tent.obj --cut none -o b.fold", 1),
         ("stream.json", "stream path.traj --to sim", 0),
         (
             "stream.json",

@@ -122,10 +122,12 @@ fn propagate(
 /// logarithm of the ratio of the first crease's tangent to the second's. `None` if the letters leave the vertex no mode of
 /// its own: it has other than four creases, does not fold flat, or has creases in line.
 fn mode(pattern: &CreasePattern, letters: &[f64], vertex: VertexId) -> Option<([usize; 4], f64)> {
-    let star: &[EdgeId; 4] = pattern.stars()[vertex.index()].try_into().ok()?;
+    let star = pattern.stars()[vertex.index()].iter().copied();
+    let star: Vec<EdgeId> = star.filter(|&edge| !pattern.joins_parts(edge)).collect();
+    let star: [EdgeId; 4] = star.try_into().ok()?;
     let mut creases = [0; 4];
     for (crease, edge) in creases.iter_mut().zip(star) {
-        *crease = pattern.edge(*edge).crease?.index();
+        *crease = pattern.edge(edge).crease?.index();
     }
     let sum: f64 = creases.iter().map(|&crease| letters[crease]).sum();
     let lettered = creases.iter().all(|&crease| letters[crease].abs() > 0.0);

@@ -32,6 +32,7 @@ impl Document {
                 column: error.column(),
                 // The parser's message repeats the position, which is cut off.
                 message: match error.to_string().split_once(" at line ") {
+                    _ if is_comment(text, error.line(), error.column()) => NO_COMMENTS.into(),
                     Some((message, _)) => message.into(),
                     None => error.to_string(),
                 },
@@ -160,6 +161,21 @@ impl Document {
     }
 }
 
+/// Message about a comment.
+const NO_COMMENTS: &str = "JSON has no comments, expected the file without them";
+
+/// Returns `true` if a comment begins at a position of a text, counted from 1.
+fn is_comment(text: &[u8], line: usize, column: usize) -> bool {
+    let mut lines = text.split(|byte| *byte == b'\n');
+    let line = lines.nth(line.saturating_sub(1)).unwrap_or_default();
+    // The parser may stop one sign before the comment, or at it.
+    (1..=2).any(|back| {
+        let from = column.saturating_sub(back).min(line.len());
+        let rest = &line[from..];
+        rest.starts_with(b"//") || rest.starts_with(b"/*")
+    })
+}
+
 /// The classes of a frame that matter to this program.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Classes {
@@ -205,6 +221,12 @@ impl<'a> Frames<'a> {
             at = parent;
         }
         frame
+    }
+
+    /// Returns `true` if frame `number` is the frame `parent` or inherits from it.
+    pub(super) fn inherits(&self, number: usize, parent: usize) -> bool {
+        let above = |frame: &usize| *self.parents.get(frame.checked_sub(1)?)?;
+        core::iter::successors(Some(number), above).any(|frame| frame == parent)
     }
 
     /// Returns frame `number` without inherited keys; the key frame is 0. The cost does not depend on the length of its

@@ -1,6 +1,7 @@
 //! Reads the flat crease pattern of a FOLD file and its goal fold angles.
 
-use std::collections::BTreeMap;
+use core::f64::consts::PI;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -14,8 +15,9 @@ use crate::pattern::{
     Unit, check_goal,
 };
 use crate::progress::Watch;
+use crate::read::curves::{Chords, Curve, STRAIGHT_CREASE};
 use crate::read::error::quoted;
-use crate::read::segments::{self, LooseLines, Segment};
+use crate::read::segments::{self, LooseLines, MAX_LINES, Segment, Written};
 use crate::read::{FileError, ReadOptions, stem};
 
 /// A crease pattern read from a file.
@@ -42,13 +44,33 @@ pub(in crate::read) fn parse_within(
 ) -> Result<PatternFile, FileError> {
     let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
-    let flat = flat_frame(&frames);
+    let flat = flat_frame(document, &frames, options.frame)?;
     let frame = frames.get(flat);
-    let angles = goal_angles(&frames, &frame)?;
-    if options.tolerance.is_some() {
-        return repaired(document, &frame, angles.as_ref(), options, watch);
+    let angles = goal_angles(&frames, &frame, options.frame)?;
+    let mut file = with_repairs(document, &frames, flat, angles.as_ref(), options, watch)?;
+    if let Some(note) = angles.as_ref().and_then(Goals::looks_like_radians) {
+        file.pattern.assume(note);
     }
-    let mut file = match pattern_of(document, &frame, angles.as_ref(), watch) {
+    if let Some(note) = other_patterns(&frames, flat) {
+        file.pattern.assume(note);
+    }
+    Ok(file)
+}
+
+/// Parses the pattern of frame number `flat`, and repairs its edges if they form no crease pattern.
+fn with_repairs(
+    document: &Document,
+    frames: &Frames<'_>,
+    flat: usize,
+    angles: Option<&Goals>,
+    options: &ReadOptions,
+    watch: Watch<'_>,
+) -> Result<PatternFile, FileError> {
+    let frame = frames.get(flat);
+    if options.tolerance.is_some() {
+        return repaired(document, &frame, angles, options, watch);
+    }
+    let mut file = match pattern_of(document, &frame, angles, watch) {
         Ok(file) => file,
         Err(error) => {
             let repairable = matches!(
@@ -57,19 +79,29 @@ pub(in crate::read) fn parse_within(
                     source: PatternError::Duplicate { .. }
                         | PatternError::Crossing { .. }
                         | PatternError::OnEdge { .. }
-                        | PatternError::Overlap { .. },
+                        | PatternError::Overlap { .. }
+                        | PatternError::DeadEnd { .. },
                     ..
                 }
             );
             if !repairable {
                 return Err(error);
             }
-            let repaired = repaired(document, &frame, angles.as_ref(), options, watch);
-            return repaired.map_err(|_| error);
+            // A crease that ends in a panel may be a piece of one; left out, it would be better named.
+            let repaired = repaired(document, &frame, angles, options, watch);
+            let is_whole = |file: &PatternFile| {
+                let source = match &error {
+                    FileError::Pattern { source, .. } => Some(source),
+                    _ => None,
+                };
+                !matches!(source, Some(PatternError::DeadEnd { .. }))
+                    || file.pattern.lost_lines().is_none()
+            };
+            return repaired.ok().filter(is_whole).ok_or(error);
         }
     };
     if angles.is_none() {
-        match measured(&frames, Some(flat), &file.pattern) {
+        match measured(frames, Some(flat), &file.pattern) {
             Ok(Some(goals)) if goals.leads_away() => {
                 file = pattern_of(document, &frame, Some(&goals), watch)?;
                 let note = format!("the goal is measured on {}vertices_coords", goals.frame);
@@ -98,7 +130,11 @@ fn repaired(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let unit = unit(frame, &mut notes)?;
-    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
+    let drawn = drawing(document, frame, goals, &mut notes)?;
+    let coordinates = drawn.coordinates();
+    let FrameDrawing {
+        drawing, written, ..
+    } = drawn;
     let wrong =
         |expected: &str, found: &str| document.expected("the tolerance".into(), expected, found);
     if drawing.faces.is_some() {
@@ -119,6 +155,11 @@ fn repaired(
             .collect::<Option<_>>()
             .ok_or_else(|| wrong("edges between vertices", "an edge to none"))?,
         notes,
+        written: coordinates.map(|points| Written {
+            points,
+            scale: 1.0,
+            turned: false,
+        }),
         ..LooseLines::default()
     };
     let mut file = segments::pattern_file(&document.path, lines, options, watch)?;
@@ -141,7 +182,7 @@ pub fn parse_goal(
 ) -> Result<Vec<Option<f64>>, FileError> {
     let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
-    let goals = match goal_angles(&frames, &document.key_frame())? {
+    let goals = match goal_angles(&frames, &document.key_frame(), None)? {
         None => measured(&frames, None, pattern)?,
         goals => goals,
     };
@@ -170,22 +211,36 @@ pub(super) fn pattern_of(
 ) -> Result<PatternFile, FileError> {
     let mut notes = Vec::from_iter(keys::not_known(document));
     let unit = unit(frame, &mut notes)?;
-    let (drawing, written) = drawing(document, frame, goals, &mut notes)?;
-    let mut pattern =
-        CreasePattern::watched(drawing, watch).map_err(|source| match (&source, goals) {
-            (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
-                goals.place_of(document, source)
-            }
-            _ => FileError::Pattern {
-                path: document.path.clone(),
-                frame: frame.prefix_of(&source.to_string()),
-                source,
-            },
-        })?;
+    let drawn = drawing(document, frame, goals, &mut notes)?;
+    let coordinates = drawn.coordinates();
+    // The numbers of chords are those of all edges.
+    let doubles = without_doubles(&drawn.drawing).filter(|_| coordinates.is_none());
+    let repaired = doubles.and_then(|(drawing, note)| {
+        let pattern = CreasePattern::watched(drawing, watch).ok()?;
+        notes.push(note);
+        Some(pattern)
+    });
+    let pattern = repaired.map_or_else(|| CreasePattern::watched(drawn.drawing, watch), Ok);
+    let mut pattern = pattern.map_err(|source| match (&source, goals) {
+        (PatternError::GoalRange { .. } | PatternError::GoalSign { .. }, Some(goals)) => {
+            goals.place_of(document, source)
+        }
+        _ => FileError::Pattern {
+            path: document.path.clone(),
+            frame: frame.prefix_of(&source.to_string()),
+            source,
+        },
+    })?;
     for note in notes {
         pattern.assume(note);
     }
-    take_precision(&mut pattern, frame, written)?;
+    if let Some(coordinates) = coordinates {
+        pattern.add_chords(drawn.edges);
+        let rounded = |unit: f64| pattern.looks_rounded(unit);
+        let length = Digits::of_coordinates(coordinates.into_iter(), rounded);
+        pattern.lengths_written_with(length);
+    }
+    take_precision(&mut pattern, frame, drawn.written)?;
     pattern.measured_in(unit);
     Ok(PatternFile {
         title: title(document, frame)?,
@@ -204,11 +259,88 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
     }
 }
 
-/// Returns the number of the frame with the flat sheet: the first frame of class `creasePattern`, or else the key
-/// frame.
-fn flat_frame(frames: &Frames<'_>) -> usize {
-    let first = frames.classes.iter().position(|it| it.crease_pattern);
-    first.unwrap_or(0)
+/// Returns a drawing with faces without the edges that join the same vertices as an edge before them, and a note; `None` if
+/// there are none. The edge whose letter comes
+/// first in this order stays: cut, M or V, U, border, F, others. Without faces such edges are repaired as the lines of a drawing.
+fn without_doubles(drawing: &Drawing) -> Option<(Drawing, String)> {
+    let faces = drawing.faces.clone()?;
+    let rank = |letter: Letter| match letter {
+        Letter::Cut => 0,
+        Letter::Mountain | Letter::Valley => 1,
+        Letter::Unassigned => 2,
+        Letter::Boundary => 3,
+        Letter::Flat => 4,
+        Letter::Join | Letter::Bend => 5,
+    };
+    let (mut first_at, mut first_double) = (HashMap::new(), None);
+    let mut kept: Vec<DrawnEdge> = Vec::with_capacity(drawing.edges.len());
+    for (index, edge) in drawing.edges.iter().enumerate() {
+        let [a, b] = edge.ends;
+        let at = *first_at.entry([a.min(b), a.max(b)]).or_insert(kept.len());
+        match kept.get_mut(at) {
+            None => kept.push(*edge),
+            Some(first) => {
+                first_double.get_or_insert(index);
+                if rank(edge.letter) < rank(first.letter) {
+                    *first = *edge;
+                }
+            }
+        }
+    }
+    let first = first_double?;
+    let left_out = drawing.edges.len() - kept.len();
+    let note = format!(
+        "edges that join the same vertices as an edge before, left out: {left_out} (first: edge {first}); edges are \
+         counted anew"
+    );
+    let kept = Drawing {
+        vertices: drawing.vertices.clone(),
+        edges: kept,
+        faces: Some(faces),
+    };
+    Some((kept, note))
+}
+
+/// Returns the number of the frame with the flat sheet: the `chosen` one, or else the first frame of class
+/// `creasePattern`, or else the key frame.
+fn flat_frame(
+    document: &Document,
+    frames: &Frames<'_>,
+    chosen: Option<usize>,
+) -> Result<usize, FileError> {
+    match chosen {
+        Some(number) if number > frames.len() => {
+            let place = format!("file_frames[{}]", number - 1);
+            Err(document.expected(place, "a frame", "none"))
+        }
+        Some(number) => Ok(number),
+        None => {
+            let first = frames.classes.iter().position(|it| it.crease_pattern);
+            Ok(first.unwrap_or(0))
+        }
+    }
+}
+
+/// Returns a note of the frames that have crease patterns of their own, other than the one that is read.
+fn other_patterns(frames: &Frames<'_>, flat: usize) -> Option<String> {
+    let is_pattern = |number: &usize| {
+        let frame = frames.own(*number);
+        let drawn = ["vertices_coords", "edges_vertices", "faces_vertices"];
+        !frames.inherits(flat, *number)
+            && !frames.classes[*number].folded_form
+            && drawn[1..].iter().any(|key| frame.own(key).is_some())
+            && frame.own(drawn[0]).is_some()
+    };
+    let others: Vec<String> = (0..=frames.len())
+        .filter(is_pattern)
+        .map(|number| number.to_string())
+        .collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "frame {flat} is read; the file has other crease patterns, frames counted from 0, the key frame: {}",
+            others.join(", ")
+        )
+    })
 }
 
 /// Goal angles of all edges.
@@ -234,6 +366,23 @@ impl Goals {
         Err(document.expected(place, &expected, &self.angles.len().to_string()))
     }
 
+    /// Returns a note if the angles look as if they were radians: all are within half a turn in radians, and one is a
+    /// twelfth of it or a multiple.
+    fn looks_like_radians(&self) -> Option<String> {
+        let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
+        let largest = angles.clone().map(f64::abs).fold(0.0, f64::max);
+        let is_fraction = |angle: f64| {
+            let twelfths = 12.0 * angle / PI;
+            angle.abs() > 0.0 && (twelfths - twelfths.round()).abs() < 1e-3
+        };
+        (largest <= PI + 1e-3 && angles.clone().any(is_fraction)).then(|| {
+            format!(
+                "fold angles up to {largest:.6} look like radians: FOLD has degrees, 180 for a fold onto itself, and they \
+                 are read as degrees"
+            )
+        })
+    }
+
     fn place_of(&self, document: &Document, source: PatternError) -> FileError {
         FileError::Pattern {
             path: document.path.clone(),
@@ -244,10 +393,18 @@ impl Goals {
 }
 
 /// Returns the goal of the last folded frame that names a goal other than zeros, or else the goal of the flat frame. If
-/// all of these goals are zeros, returns the first of them found.
-fn goal_angles(frames: &Frames<'_>, flat: &Frame<'_>) -> Result<Option<Goals>, FileError> {
+/// all of these goals are zeros, returns the first of them found. If the flat frame was `chosen`, only frames that inherit
+/// from it count.
+fn goal_angles(
+    frames: &Frames<'_>,
+    flat: &Frame<'_>,
+    chosen: Option<usize>,
+) -> Result<Option<Goals>, FileError> {
     let latest_first = (1..=frames.len()).rev().chain([0]);
-    let folded = latest_first.filter(|&number| frames.classes[number].folded_form);
+    let folded = latest_first.filter(|&number| {
+        let of_sheet = chosen.is_none_or(|chosen| frames.inherits(number, chosen));
+        frames.classes[number].folded_form && of_sheet
+    });
     let folded = folded.map(|number| goals(&frames.own(number)));
     let mut zeros = None;
     for found in folded.chain(core::iter::once_with(|| goals(flat))) {
@@ -322,28 +479,50 @@ pub(super) fn unit(frame: &Frame<'_>, notes: &mut Vec<String>) -> Result<Option<
     Ok(unit)
 }
 
+/// Largest distance of the control points of a straight curve from the line between its ends, over the largest coordinate.
+const STRAIGHT_RATIO: f64 = 1e-9;
+
 /// FOLD's name of lengths without a unit.
 const NO_UNIT: &str = "unit";
 
-/// Returns the drawing of a frame, and the precision of its coordinates if they had to be turned into a plane.
+/// The drawing of a frame.
+struct FrameDrawing {
+    drawing: Drawing,
+    /// The precision of the coordinates, if they had to be turned into a plane.
+    written: Option<Digits>,
+    /// Numbers of vertices and edges of the frame; those behind them are of the chords of curves.
+    vertices: usize,
+    edges: usize,
+}
+
+impl FrameDrawing {
+    /// Returns the coordinates of the file if the drawing has others as well.
+    fn coordinates(&self) -> Option<Vec<[f64; 2]>> {
+        let vertices = &self.drawing.vertices;
+        let own = vertices[..self.vertices].iter().map(|&at| at.into());
+        (vertices.len() > self.vertices).then(|| own.collect())
+    }
+}
+
+/// Returns the drawing of a frame.
 fn drawing(
     document: &Document,
     frame: &Frame<'_>,
     goals: Option<&Goals>,
     notes: &mut Vec<String>,
-) -> Result<(Drawing, Option<Digits>), FileError> {
+) -> Result<FrameDrawing, FileError> {
     let points = points(frame)?;
     let faces = faces(frame)?;
     let Some((vertices, written)) = lay(&points, faces.as_deref(), notes) else {
         return Err(document.expected("vertices_coords".into(), FLAT_PATTERN, NOT_FLAT));
     };
-    let edges = edges(document, frame, faces.as_deref(), notes)?;
+    let DrawnEnds { ends, curves } = edges(document, frame, faces.as_deref(), notes)?;
     if let Some(goals) = goals {
-        goals.check_count(document, edges.len())?;
+        goals.check_count(document, ends.len())?;
     }
     let goals = goals.filter(|goals| goals.leads_away());
-    let letters = letters(frame, edges.len(), notes)?;
-    let drawn = edges
+    let letters = letters(frame, ends.len(), notes)?;
+    let drawn = ends
         .into_iter()
         .zip(letters)
         .enumerate()
@@ -352,12 +531,82 @@ fn drawing(
             letter,
             goal: goals.and_then(|goals| goals.angles[index]),
         });
-    let drawing = Drawing {
+    let mut drawing = Drawing {
         vertices,
         edges: drawn.collect(),
         faces,
     };
-    Ok((drawing, written))
+    let [vertices, edges] = [drawing.vertices.len(), drawing.edges.len()];
+    if !curves.is_empty() {
+        draw_chords(document, frame, &mut drawing, &curves, notes)?;
+    }
+    Ok(FrameDrawing {
+        drawing,
+        written,
+        vertices,
+        edges,
+    })
+}
+
+/// Replaces curves by chords: the first chord keeps the number of the edge, the others come behind all edges. `curves` has
+/// the number of each edge and its control points.
+fn draw_chords(
+    document: &Document,
+    frame: &Frame<'_>,
+    drawing: &mut Drawing,
+    curves: &[(usize, [usize; 2])],
+    notes: &mut Vec<String>,
+) -> Result<(), FileError> {
+    let place = |edge: usize| format!("{}edges_vertices[{edge}]", frame.prefix());
+    let mut chords = Chords::new(&drawing.vertices, Vec::new());
+    // The places between the ends of each curve, by its ends.
+    let mut between: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    for &(edge, controls) in curves {
+        let [from, to] = drawing.edges[edge].ends;
+        let hull = [from, controls[0], controls[1], to];
+        let known = hull.map(|vertex| drawing.vertices.get(vertex).copied());
+        let [Some(a), Some(b), Some(c), Some(d)] = known else {
+            let expected = format!(
+                "vertices from 0 to {}",
+                drawing.vertices.len().saturating_sub(1)
+            );
+            return Err(document.expected(place(edge), &expected, &format!("{hull:?}")));
+        };
+        let curve = Curve([a, b, c, d]);
+        if curve.is_straight(STRAIGHT_RATIO * a.amax().max(d.amax())) {
+            continue;
+        }
+        if drawing.edges[edge].letter.is_hinge() {
+            let found = curve.in_words(|at| [at.x, at.y]);
+            return Err(document.expected(place(edge), STRAIGHT_CREASE, &found));
+        }
+        let Some(places) = chords.of(&curve) else {
+            let expected = format!("curves of at most {MAX_LINES} chords in all");
+            return Err(document.expected(place(edge), &expected, "more"));
+        };
+        let first = drawing.vertices.len();
+        drawing.vertices.extend(&places[1..places.len() - 1]);
+        let inner: Vec<usize> = (first..drawing.vertices.len()).collect();
+        let way = [&[from], &inner[..], &[to]].concat();
+        drawing.edges[edge].ends = [way[0], way[1]];
+        let others = way[1..].windows(2).map(|pair| DrawnEdge {
+            ends: [pair[0], pair[1]],
+            ..drawing.edges[edge]
+        });
+        let others: Vec<DrawnEdge> = others.collect();
+        drawing.edges.extend(others);
+        between.insert([to, from], inner.iter().rev().copied().collect());
+        between.insert([from, to], inner);
+    }
+    for face in drawing.faces.iter_mut().flatten() {
+        let corners = core::mem::take(face);
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            face.push(a);
+            face.extend(between.get(&[a, b]).into_iter().flatten());
+        }
+    }
+    notes.extend(chords.note());
+    Ok(())
 }
 
 pub(super) fn points(frame: &Frame<'_>) -> Result<Vec<Vector3<f64>>, FileError> {
@@ -401,24 +650,35 @@ pub(super) fn faces(frame: &Frame<'_>) -> Result<Option<Vec<Vec<usize>>>, FileEr
     Ok((!faces.is_empty()).then_some(faces))
 }
 
+/// The edges of a frame.
+#[derive(Default)]
+pub(super) struct DrawnEnds {
+    /// The ends of each edge.
+    pub(super) ends: Vec<[usize; 2]>,
+    /// The edges that are cubic Bézier curves, with their control points.
+    pub(super) curves: Vec<(usize, [usize; 2])>,
+}
+
+/// Returns the edges of a frame. An edge of two vertices is a line; two more vertices are the control points of a curve.
 pub(super) fn edges(
     document: &Document,
     frame: &Frame<'_>,
     faces: Option<&[Vec<usize>]>,
     notes: &mut Vec<String>,
-) -> Result<Vec<[usize; 2]>, FileError> {
+) -> Result<DrawnEnds, FileError> {
     if let Some(edges) = frame.get("edges_vertices") {
-        let ends = |entry: Located<'_>| {
-            let mut ends = entry.entries()?.map(|end| end.index());
-            if ends.len() == 2
-                && let (Some(a), Some(b)) = (ends.next(), ends.next())
-            {
-                return Ok([a?, b?]);
+        let mut drawn = DrawnEnds::default();
+        for (edge, entry) in edges.entries()?.enumerate() {
+            match indices(&entry)?[..] {
+                [a, b] => drawn.ends.push([a, b]),
+                [a, b, first, second] => {
+                    drawn.ends.push([a, b]);
+                    drawn.curves.push((edge, [first, second]));
+                }
+                _ => return Err(entry.expected("2 vertices, or 4 of a curve")),
             }
-            ends.try_for_each(|end| end.map(drop))?;
-            Err(entry.expected("2 vertices"))
-        };
-        return edges.entries()?.map(ends).collect();
+        }
+        return Ok(drawn);
     }
     let of_edges = ["edges_assignment", "edges_foldAngle", "edges_foldAngles"];
     if let Some(key) = of_edges.into_iter().find(|key| frame.get(key).is_some()) {
@@ -450,7 +710,10 @@ pub(super) fn edges(
     }
     let mut edges: Vec<_> = edges.into_iter().collect();
     edges.sort_by_key(|(_, order)| *order);
-    Ok(edges.into_iter().map(|(ends, _)| ends).collect())
+    Ok(DrawnEnds {
+        ends: edges.into_iter().map(|(ends, _)| ends).collect(),
+        curves: Vec::new(),
+    })
 }
 
 pub(super) fn letters(

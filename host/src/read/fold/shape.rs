@@ -5,6 +5,7 @@ use std::path::Path;
 use super::document::{Document, Frame};
 use super::keys;
 use super::pattern::{Goals, edges, faces, goals, letters, points, title, unit};
+use crate::read::merge::{Vertices, tidied};
 use crate::read::{FileError, ShapeFile};
 use crate::unfold::{FoldedShape, ShapeEdge};
 
@@ -30,7 +31,14 @@ pub fn parse_shape(
         return Err(frame.missing("faces_vertices", "the faces of the shape"));
     };
     let ends = match frame.get("edges_vertices") {
-        Some(_) => edges(&document, &frame, None, &mut notes)?,
+        Some(_) => {
+            let drawn = edges(&document, &frame, None, &mut notes)?;
+            if let Some((edge, _)) = drawn.curves.first() {
+                let place = format!("{}edges_vertices[{edge}]", frame.prefix());
+                return Err(document.expected(place, "2 vertices", "4 of a curve"));
+            }
+            drawn.ends
+        }
         None => Vec::new(),
     };
     let lettered = frame.get("edges_assignment").is_some();
@@ -48,14 +56,21 @@ pub fn parse_shape(
         letter: letters.get(index).copied(),
         angle: goals.as_ref().and_then(|goals| goals.angles[index]),
     });
+    let shape = FoldedShape {
+        vertices,
+        faces,
+        edges: edges.collect(),
+    };
+    shape.check().map_err(|source| FileError::Shape {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let list = format!("{}faces_vertices", frame.prefix_of("faces_vertices"));
+    let place = |face: usize| format!("{list}[{face}]");
     Ok(ShapeFile {
         unit: unit(&frame, &mut notes)?,
         title: title(&document, &frame)?,
-        shape: FoldedShape {
-            vertices,
-            faces,
-            edges: edges.collect(),
-        },
+        shape: tidied(path, shape, Vertices::Shared, place, &mut notes)?,
         notes,
     })
 }

@@ -27,7 +27,7 @@ fn reach([a, b]: [Vector2<f64>; 2], diagonal: f64) -> f64 {
 }
 
 /// Returns the number of lines that end at each vertex.
-fn degrees(vertices: usize, pieces: &[DrawnEdge]) -> Vec<usize> {
+pub(super) fn degrees(vertices: usize, pieces: &[DrawnEdge]) -> Vec<usize> {
     let mut degrees = vec![0; vertices];
     for end in pieces.iter().flat_map(|piece| piece.ends) {
         degrees[end] += 1;

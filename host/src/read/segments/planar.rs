@@ -13,6 +13,7 @@ use super::missing_border::missing_borders;
 use super::open_ends::{
     LineReach, MAX_OF_DIAGONAL_RATIO, join_to_lines, join_to_vertices, remove_open,
 };
+use super::perforation::join_pieces;
 use super::places::Places;
 use super::repairs::Repairs;
 use super::{MAX_LINES, Segment};
@@ -88,6 +89,10 @@ pub(super) fn planar(
         pieces.retain(|piece| piece.ends[0] != piece.ends[1]);
     }
     cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
+    if join_pieces(&mut places, &mut pieces, &mut repairs, &mut looks)? {
+        deduplicate(&mut pieces, &mut repairs);
+        cut_up(&mut places, &mut pieces, &mut repairs, &mut looks)?;
+    }
     for _ in 0..MAX_JOINING_ROUNDS {
         let to_vertices =
             join_to_vertices(&mut places, &mut pieces, diagonal, &mut repairs, &mut looks)?;

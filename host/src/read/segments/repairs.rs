@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use super::missing_border::MissingBorder;
 use super::open_ends::Removed;
+use super::perforation::Perforations;
 use crate::pattern::rounded;
 
 /// Open ends that were joined.
@@ -38,6 +39,8 @@ pub(super) struct Repairs {
     pub(super) both_ways: usize,
     pub(super) to_vertices: Joined,
     pub(super) to_lines: Joined,
+    /// Creases that were drawn in pieces.
+    pub(super) perforations: Perforations,
     /// Lines that were removed because they end in the open.
     pub(super) removed: Option<Removed>,
     /// Points within this distance of each other are one place.
@@ -62,6 +65,7 @@ impl Repairs {
             both_ways,
             ref to_vertices,
             ref to_lines,
+            perforations,
             tolerance,
             ..
         } = self;
@@ -99,6 +103,14 @@ impl Repairs {
             (
                 both_ways,
                 format!("of them lettered M and V at one place, the first drawn kept: {both_ways}"),
+            ),
+            (
+                perforations.pieces,
+                format!(
+                    "pieces of creases with gaps between them, joined along their lines: {} to {} lines, \
+                     gaps of {:.1e} at most",
+                    perforations.pieces, perforations.lines, perforations.largest_gap
+                ),
             ),
             (
                 to_vertices.count,

@@ -17,6 +17,8 @@ pub(super) enum Kind {
     Chosen(Letter),
     /// A colour with the hue of this one, which the caller gave a letter.
     NearChosen([u8; 3], Letter),
+    /// A dashed line, and the caller gave dashes a letter.
+    Dashed(Letter),
 }
 
 /// Index of black among the hues.
@@ -58,7 +60,8 @@ impl Kind {
             Self::Exact(letter)
             | Self::Near(_, letter)
             | Self::Chosen(letter)
-            | Self::NearChosen(_, letter) => letter,
+            | Self::NearChosen(_, letter)
+            | Self::Dashed(letter) => letter,
             Self::Unknown => Letter::Unassigned,
         }
     }
@@ -113,6 +116,9 @@ impl Kind {
             Self::Exact(_) => return None,
             Self::Chosen(_) => format!(
                 "lines of colour {colour} taken as {code}, the letter that the colour was given: {count}"
+            ),
+            Self::Dashed(_) => format!(
+                "dashed lines of colour {colour} taken as {code}, the letter that dashes were given: {count}"
             ),
             Self::NearChosen(chosen, _) => format!(
                 "lines of colour {colour} taken as {} ({code}), the nearest of the colours that were given \
