@@ -60,7 +60,7 @@ impl Drive {
 #[derive(Debug)]
 pub struct Plant<const GROUPS: usize> {
     groups: [Drive; GROUPS],
-    /// The hinge that is or was stuck: its drive, its number plus 1 (0 for none), and 1 while it is stuck.
+    /// The hinge that is or was stuck: its drive, its number plus 1 (0 for none), and the same while it is stuck.
     odd: Drive,
     odd_one: AtomicU32,
     stuck: AtomicU32,
@@ -108,7 +108,7 @@ impl<const GROUPS: usize> Plant<GROUPS> {
             b'k' => {
                 self.odd.angle.store(0, Relaxed);
                 self.odd_one.store(number.wrapping_add(1), Relaxed);
-                self.stuck.store(1, Relaxed);
+                self.stuck.store(number.wrapping_add(1), Relaxed);
             }
             b'f' => self.stuck.store(0, Relaxed),
             _ => {}
@@ -120,8 +120,7 @@ impl<const GROUPS: usize> Plant<GROUPS> {
     #[must_use]
     pub fn measure(&self, hinge: u32, membership: Membership) -> Option<f32> {
         let tested = self.tested.load(Relaxed) != 0;
-        let odd = self.odd_one.load(Relaxed) == hinge.wrapping_add(1);
-        let odd = odd && self.stuck.load(Relaxed) != 0;
+        let odd = self.stuck.load(Relaxed) == hinge.wrapping_add(1);
         let group = self.groups.get(membership.group.index());
         let drive = if odd { Some(&self.odd) } else { group };
         let bits = drive.filter(|_| tested)?.angle.load(Relaxed);
