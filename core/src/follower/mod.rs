@@ -48,7 +48,7 @@ use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
 
-/// What is known of where the groups stand.
+/// Says how well it is known where the groups stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stance {
     Unknown,

@@ -100,7 +100,7 @@ pub struct Condition {
     pub fault: Option<Fault>,
     /// `true` if it is known where the sheet stands.
     pub known: bool,
-    /// What the drives are to do.
+    /// Tells the drives to hold the hinges or to let them go.
     pub power: Power,
     /// Number of the sheet's hinges that are measured.
     pub measured: usize,

@@ -2,7 +2,7 @@
 
 use foldpath_core::follower::Target;
 
-/// What the drives are to do.
+/// Tells the drives to hold the hinges or to let them go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Power {

@@ -82,7 +82,7 @@ fn a_sensor_that_falls_silent_holds_the_motion() {
     }
 }
 
-/// What another image has left over a reset does not count.
+/// A controller ignores the record that another image has left over a reset.
 #[test]
 fn the_record_of_another_image_does_not_count() {
     let path = Path::new(2);

@@ -14,7 +14,7 @@ const GONE: u8 = 16;
 pub struct Servos {
     goals: [Option<u16>; HINGES],
     holds: [Hold; HINGES],
-    /// What the drives are to do, and whether the bus was told last that they are to be on.
+    /// `power` tells the drives to hold or to rest; `told` is `true` if the bus was told last to hold.
     power: Power,
     told: Option<bool>,
     seen: [Seen; HINGES],
