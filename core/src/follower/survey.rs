@@ -86,8 +86,8 @@ impl<T: Scalar, const GROUPS: usize> Survey<T, GROUPS> {
     /// `claimed`, which are then the angles of groups that were not measured.
     ///
     /// # Errors
-    /// If the range of a group is wider than `spread`, or if a group was not measured. Of groups with claimed angles: if a
-    /// group was measured farther than `reach` from its own.
+    /// If a group was measured farther than `reach` from its claimed angle. Without claimed angles, if the range of a group is
+    /// wider than `spread`, or if a group was not measured.
     #[inline(never)]
     pub(super) fn angles(
         &self,

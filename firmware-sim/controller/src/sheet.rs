@@ -20,6 +20,8 @@ use crate::controller::Settings;
 /// Bits of a driven hinge above its code: its sensor was heard since they were looked at, and before that.
 const HEARD: u16 = 1 << 15;
 const HEARD_BEFORE: u16 = 1 << 14;
+/// Number of groups whose codes leave these bits free.
+const MAX_GROUPS: u16 = HEARD_BEFORE >> 1;
 
 /// A sheet of at most `GROUPS` groups, `HINGES` hinges and `SPOKES` spokes of essential vertices.
 // In order, for the reason given at `Follower`.
@@ -123,7 +125,10 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
             }
         }
         const {
-            assert!(GROUPS <= 1 << 13, "a code has 14 bits");
+            assert!(
+                GROUPS <= MAX_GROUPS as usize,
+                "the codes of so many groups leave no bits for the sensors"
+            );
         }
         // Not `clone_from`, which would build another copy on the stack.
         self.driven.clear();
@@ -293,7 +298,7 @@ impl Hinge for Driven<'_> {
     fn membership(&self) -> Membership {
         // As `Membership::from_code` does, without the bits above.
         Membership {
-            group: GroupId(u32::from(self.1) >> 1 & 0x1fff),
+            group: GroupId(u32::from(self.1 >> 1 & (MAX_GROUPS - 1))),
             negative: self.1 & 1 == 1,
         }
     }

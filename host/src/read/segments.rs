@@ -17,6 +17,7 @@ use std::path::Path;
 use nalgebra::Vector2;
 
 use self::planar::planar;
+pub(super) use self::planar::weight;
 use self::repairs::Repairs;
 use super::fold::PatternFile;
 use super::{FileError, ReadOptions, stem};

@@ -55,7 +55,7 @@ impl Layout {
     ) -> Self {
         let (roots, levels) = levels(surface);
         let order = cuts::order(shape, surface, creases, &levels, attempts);
-        let (mut laid, used) = lay(surface, &roots, &order);
+        let (laid, used) = lay(surface, &roots, &order);
         let closed_up = cuts::closed_up(surface, used);
         let size = diagonal(&laid);
         let joined = surface
@@ -75,17 +75,7 @@ impl Layout {
                 };
                 closed_up || surface.is_plain(part) || meet(&laid, [a, b], surface.bound * lever)
             });
-        let joined: Vec<bool> = joined.collect();
-        let points = surface.points_where(&joined);
-        settle(surface, &points, &mut laid);
-        let pieces = surface.parts.clone();
-        set_side_by_side(surface, &pieces, &mut laid);
-        Self {
-            joined,
-            points,
-            places: laid,
-            pieces,
-        }
+        Self::settled(surface, joined.collect(), surface.parts.clone(), laid)
     }
 
     /// Returns the depth to which faces may lie in each other and yet only touch.
@@ -118,7 +108,7 @@ impl Layout {
     pub(super) fn of_pieces(
         surface: &Surface,
         pieces: Vec<usize>,
-        mut laid: Vec<Vector2<f64>>,
+        laid: Vec<Vector2<f64>>,
         touch: f64,
     ) -> Self {
         let joined = surface.edges.iter().map(|edge| {
@@ -129,14 +119,23 @@ impl Layout {
                 pieces[a.face] == pieces[b.face] && meet(&laid, ends, near)
             })
         });
-        let joined: Vec<bool> = joined.collect();
+        Self::settled(surface, joined.collect(), pieces, laid)
+    }
+
+    /// Moves faces laid at these places so that those that are joined meet, and sets the pieces side by side.
+    fn settled(
+        surface: &Surface,
+        joined: Vec<bool>,
+        pieces: Vec<usize>,
+        mut places: Vec<Vector2<f64>>,
+    ) -> Self {
         let points = surface.points_where(&joined);
-        settle(surface, &points, &mut laid);
-        set_side_by_side(surface, &pieces, &mut laid);
+        settle(surface, &points, &mut places);
+        set_side_by_side(surface, &pieces, &mut places);
         Self {
             joined,
             points,
-            places: laid,
+            places,
             pieces,
         }
     }
@@ -222,7 +221,7 @@ impl Layout {
 
     /// Returns the number of pieces.
     pub(super) fn pieces(&self) -> usize {
-        self.pieces.iter().max().map_or(0, |last| last + 1)
+        count_of(&self.pieces)
     }
 
     /// Returns the first edge that is whole in the file and cut in the layout, by its ends.
@@ -414,9 +413,14 @@ fn settle(surface: &Surface, points: &[usize], laid: &mut [Vector2<f64>]) {
     }
 }
 
+/// Returns the number of pieces, given that of each face.
+fn count_of(pieces: &[usize]) -> usize {
+    pieces.iter().max().map_or(0, |last| last + 1)
+}
+
 /// Moves the pieces beside each other along x; the first piece stays. `pieces` has for each face the number of its piece.
 fn set_side_by_side(surface: &Surface, pieces: &[usize], laid: &mut [Vector2<f64>]) {
-    let count = pieces.iter().max().map_or(0, |last| last + 1);
+    let count = count_of(pieces);
     if count < 2 {
         return;
     }

@@ -260,18 +260,10 @@ pub(super) fn title(document: &Document, frame: &Frame<'_>) -> Result<String, Fi
 }
 
 /// Returns a drawing with faces without the edges that join the same vertices as an edge before them, and a note; `None` if
-/// there are none. The edge whose letter comes
-/// first in this order stays: cut, M or V, U, border, F, others. Without faces such edges are repaired as the lines of a drawing.
+/// there are none. Of such edges the one stays whose letter has the highest precedence, as of lines that lie on each other.
+/// Without faces they are repaired as the lines of a drawing.
 fn without_doubles(drawing: &Drawing) -> Option<(Drawing, String)> {
     let faces = drawing.faces.clone()?;
-    let rank = |letter: Letter| match letter {
-        Letter::Cut => 0,
-        Letter::Mountain | Letter::Valley => 1,
-        Letter::Unassigned => 2,
-        Letter::Boundary => 3,
-        Letter::Flat => 4,
-        Letter::Join | Letter::Bend => 5,
-    };
     let (mut first_at, mut first_double) = (HashMap::new(), None);
     let mut kept: Vec<DrawnEdge> = Vec::with_capacity(drawing.edges.len());
     for (index, edge) in drawing.edges.iter().enumerate() {
@@ -281,7 +273,7 @@ fn without_doubles(drawing: &Drawing) -> Option<(Drawing, String)> {
             None => kept.push(*edge),
             Some(first) => {
                 first_double.get_or_insert(index);
-                if rank(edge.letter) < rank(first.letter) {
+                if segments::weight(edge.letter) > segments::weight(first.letter) {
                     *first = *edge;
                 }
             }

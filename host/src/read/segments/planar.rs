@@ -36,7 +36,7 @@ const MAX_JOINING_ROUNDS: usize = 4;
 /// Precedence of a letter where lines lie on each other; the line of the highest precedence is kept. A border ranks
 /// below creases: on the rim the faces alone show that it is a border, and inside the sheet the line drawn to be cut or
 /// folded is the intended one.
-fn weight(letter: Letter) -> u8 {
+pub(in crate::read) fn weight(letter: Letter) -> u8 {
     match letter {
         Letter::Cut => 4,
         Letter::Mountain | Letter::Valley => 3,
