@@ -22,6 +22,8 @@ pub struct Faults {
     pub late: u64,
     /// Bytes per second; infinite for no limit.
     pub speed: f64,
+    /// Number of bytes that the near end takes before they are sent: the buffer of an adapter, for one.
+    pub buffer: u32,
     /// Number of bytes that may wait at the far end to be taken. Further bytes of a piece get lost.
     pub capacity: usize,
 }
@@ -37,6 +39,7 @@ impl Default for Faults {
             delay: 0,
             late: 0,
             speed: f64::INFINITY,
+            buffer: 0,
             capacity: usize::MAX,
         }
     }
@@ -108,10 +111,21 @@ impl<R: Rng> Line<R> {
         self.stalled = until;
     }
 
-    /// Returns `true` if the line has sent everything that was written before.
+    /// Returns `true` if the line has sent everything that was written before, but for what fits into its buffer.
     #[must_use]
     pub fn is_free(&self, now: u64) -> bool {
-        self.free <= micros(now)
+        self.waiting(now) <= f64::from(self.faults.buffer)
+    }
+
+    /// Returns the number of bytes that were written and not sent.
+    #[must_use]
+    pub fn waiting(&self, now: u64) -> f64 {
+        let time = (self.free - micros(now)).max(0.0);
+        if time > 0.0 {
+            time * self.faults.speed / 1e6
+        } else {
+            0.0
+        }
     }
 
     /// Writes a piece at `now`.

@@ -49,6 +49,8 @@ pub enum Trouble {
     Free(usize),
     /// From now on the measured angle of this hinge is off by this much, radians.
     Jump(usize, f64),
+    /// A hand turns this hinge by this much, radians.
+    Turn(usize, f64),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +112,10 @@ impl<R: Rng> Hinges<R> {
             Trouble::Stick(hinge) => at(hinge, &|hinge| hinge.stuck = true),
             Trouble::Free(hinge) => at(hinge, &|hinge| hinge.stuck = false),
             Trouble::Jump(hinge, off) => at(hinge, &|hinge| hinge.off = off),
+            Trouble::Turn(hinge, by) => at(hinge, &|hinge| {
+                hinge.angle += by;
+                hinge.motor += by;
+            }),
         }
     }
 

@@ -78,9 +78,21 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         hinges: impl Iterator<Item = impl Hinge>,
         mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
-        if !self.is_known() {
-            return self.drive_none(first, hinges, &mut drive);
+        if self.is_known() {
+            self.drive_known(first, hinges, drive);
+        } else {
+            self.drive_none(first, hinges, &mut drive);
         }
+    }
+
+    /// Does what [`drive_from`](Self::drive_from) does while it is known where the groups stand, for a controller that asks
+    /// before. While it is not known, the hinges are not surveyed.
+    pub fn drive_known(
+        &mut self,
+        first: u32,
+        hinges: impl Iterator<Item = impl Hinge>,
+        mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
+    ) {
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
         let groups = self.groups.min(GROUPS);
         let angles = self.angles.get(..groups).unwrap_or(&[]);

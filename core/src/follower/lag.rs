@@ -19,31 +19,38 @@ pub(super) struct Lag<T> {
 /// The hinges that were farthest from their commands when they were last measured.
 ///
 /// A hinge is remembered until it is measured again, at whatever pace. So neither a sensor that fails now and then nor
-/// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther.
+/// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther. A sensor that tells no
+/// angle is remembered apart, so that it hides no hinge that is measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LagWatch<T> {
     worst: [Lag<T>; MAX_REMEMBERED],
+    /// Hinge whose sensor tells no angle, if there is one. Of several, it is one.
+    failed: Option<u32>,
     /// `true` if a hinge is remembered.
     any: bool,
     /// Time for which a hinge was stuck, less the time for which none was, microseconds.
-    stuck: u64,
+    stuck: u32,
     /// Time for which a hinge has been elsewhere, microseconds.
     elsewhere: u32,
 }
 
 impl<T: Scalar> LagWatch<T> {
-    /// Returns the farthest hinge.
+    /// Returns the farthest hinge. One whose sensor tells no angle is at the largest distance.
     #[inline]
     pub(super) fn farthest(&self) -> Lag<T> {
-        if self.any {
-            self.find_farthest()
-        } else {
-            Lag::default()
+        match self.failed {
+            _ if !self.any => Lag::default(),
+            Some(hinge) => Lag {
+                hinge,
+                distance: T::MAX,
+            },
+            None => self.farthest_measured(),
         }
     }
 
+    /// Returns the farthest of the hinges that are measured.
     #[inline(never)]
-    fn find_farthest(&self) -> Lag<T> {
+    pub(super) fn farthest_measured(&self) -> Lag<T> {
         let farther = |a: Lag<T>, b: &Lag<T>| if b.distance > a.distance { *b } else { a };
         self.worst.iter().fold(Lag::default(), farther)
     }
@@ -55,17 +62,21 @@ impl<T: Scalar> LagWatch<T> {
         if self.any { -T::one() } else { lag }
     }
 
-    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. A distance that is no
-    /// number counts as the largest. The hinge is remembered in its own place, or else in that of the nearest hinge, if it
-    /// is farther. A hinge that does not lag is forgotten.
+    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. If it is no number, or
+    /// [`Scalar::MAX`], the hinge's sensor has failed. The hinge is remembered in its own place, or else in that of the
+    /// nearest hinge, if it is farther. A hinge that does not lag is forgotten.
     #[inline(never)]
     pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
-        let distance = if distance <= lag {
-            T::zero()
-        } else if distance.is_finite() {
+        let is_measured = distance < T::MAX;
+        if !is_measured {
+            self.failed = self.failed.or(Some(hinge));
+        } else if self.failed == Some(hinge) {
+            self.failed = None;
+        }
+        let distance = if is_measured && distance > lag {
             distance
         } else {
-            T::MAX
+            T::zero()
         };
         let mine = |place: &&mut Lag<T>| place.hinge == hinge && place.distance > T::zero();
         if let Some(place) = self.worst.iter_mut().find(mine) {
@@ -80,7 +91,7 @@ impl<T: Scalar> LagWatch<T> {
                 *place = Lag { hinge, distance };
             }
         }
-        self.any = self.find_farthest().distance > T::zero();
+        self.any = self.failed.is_some() || self.farthest_measured().distance > T::zero();
         if !self.any {
             self.elsewhere = 0;
         }
@@ -88,8 +99,7 @@ impl<T: Scalar> LagWatch<T> {
 
     /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less
     /// the time for which it was not.
-    pub(super) fn pass(&mut self, stuck: bool, passed: u32) -> u64 {
-        let passed = u64::from(passed);
+    pub(super) fn pass(&mut self, stuck: bool, passed: u32) -> u32 {
         self.stuck = if stuck {
             self.stuck.saturating_add(passed)
         } else {

@@ -25,7 +25,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let lag = self.lag.farthest();
         if lag.distance > T::zero() {
-            self.doubt(lag, passed);
+            self.doubt(passed);
         }
         if !self.is_under_way() {
             return;
@@ -97,7 +97,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// explain it: otherwise its drive would pull it back as fast as it can, once it can. A sensor that tells no angle tells
     /// nothing here.
     #[inline(never)]
-    fn doubt(&mut self, Lag { hinge, distance }: Lag<T>, passed: u32) {
+    fn doubt(&mut self, passed: u32) {
+        let Lag { hinge, distance } = self.lag.farthest_measured();
         let Options {
             lag,
             most_lag,
@@ -111,8 +112,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         } else {
             most_lag
         };
-        let elsewhere = distance >= most && distance < T::MAX;
-        if !self.lag.stays(elsewhere, passed) {
+        if !self.lag.stays(distance >= most, passed) {
             return;
         }
         if self.is_under_way() {
@@ -131,7 +131,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return;
         }
         let stuck = self.lag.pass(distance >= self.options.most_lag, passed);
-        if stuck >= u64::from(self.options.stall) {
+        if stuck >= self.options.stall {
             self.fail(Fault::Stalled(hinge));
         }
     }

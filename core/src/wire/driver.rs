@@ -36,6 +36,8 @@ pub struct Driver<'a> {
     path: PathItems<'a>,
     /// Reverse of the path.
     reverse: Option<PathItems<'a>>,
+    /// Place at which to begin, if the host has chosen it.
+    chosen: Option<FollowerPosition<f32>>,
     /// Items to send: none until it is known where to begin.
     current: Option<PathItems<'a>>,
     /// Position that the controller told, if it is not on the path.
@@ -61,6 +63,7 @@ impl<'a> Driver<'a> {
             persistence,
             path,
             reverse: None,
+            chosen: None,
             current: None,
             off_path: None,
             started: false,
@@ -105,6 +108,15 @@ impl<'a> Driver<'a> {
     pub fn turning(self, reverse: PathItems<'a>) -> Self {
         Self {
             reverse: Some(reverse),
+            ..self
+        }
+    }
+
+    /// Begins at this place of the path, wherever the controller says that the sheet stands.
+    #[must_use]
+    pub fn beginning_at(self, place: FollowerPosition<f32>) -> Self {
+        Self {
+            chosen: Some(place),
             ..self
         }
     }
@@ -213,7 +225,9 @@ impl<'a> Driver<'a> {
         // A controller that was on no path yet begins as well at the start.
         let is_placed_anew = self.confirms || self.measures;
         let begins = self.persistence == Persistence::None || is_placed_anew || report.path == 0;
-        let place = if begins {
+        let place = if self.chosen.is_some() {
+            self.chosen
+        } else if begins {
             Some(FollowerPosition::default())
         } else if report.path == self.path.identity() {
             Some(report.place)

@@ -16,7 +16,7 @@ use crate::numbers::{Numbers, number};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0xb6f3_3a11;
+pub const SCHEMA: u32 = 0x7a21_e9e0;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +55,16 @@ pub enum ToDevice<'a> {
     /// A key for a controller that has none, [`SIZE`](crate::wire::key::Key::SIZE) bytes. A controller that takes it ends
     /// the session, and from then on takes only frames with tags of this key.
     Pair(#[serde(borrow)] &'a [u8]),
+    /// Tells how much of the newest [`ToHost::Telemetry`] has come. From then on the controller waits for this before it sends
+    /// more, so that no buffer of the line fills with telemetry. There is no answer.
+    Seen {
+        /// Lowest 32 bits of its time.
+        #[serde(with = "number")]
+        time: u32,
+        /// Number of its groups that have come.
+        #[serde(with = "number")]
+        groups: u16,
+    },
 }
 
 /// Items, which are sent in order: a sheet, and then the setpoints of a path on it.

@@ -26,6 +26,8 @@ pub enum Event<'a> {
     Alive,
     /// A key to take; call [`Receiver::propose`], or do nothing.
     Pair(Key),
+    /// The host has got the telemetry of this time, the lowest 32 bits of it, up to this group.
+    Seen(u32, u16),
 }
 
 /// The controller as it presents itself to hosts.
@@ -205,6 +207,7 @@ impl<P: Protection> Receiver<P> {
                 self.due.report = true;
                 Some(Event::Alive)
             }
+            ToDevice::Seen { time, groups } => Some(Event::Seen(time, groups)),
             ToDevice::Item { sequence, item } => Some(self.item(sequence, item, room)),
             ToDevice::Command { number, command } => {
                 self.due.report = true;

@@ -111,6 +111,12 @@ impl fmt::Display for Failure {
 
 impl core::error::Error for Failure {}
 
+/// Time by which a round trip may be longer than the shortest one, microseconds, because items wait in a buffer of the line: a
+/// command waits as long.
+const MAX_QUEUED_US: u64 = 200_000;
+/// Least and largest window, bytes.
+const WINDOW_BYTES: [u64; 2] = [64, 1 << 20];
+
 /// A command that was not answered yet.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
@@ -123,6 +129,8 @@ struct Pending {
 struct RoundTrips {
     /// Smoothed time (`mean`) and mean deviation from it, if a time was measured.
     measured: Option<(u64, u64)>,
+    /// Shortest time.
+    least: Option<u64>,
     /// Number of repetitions since the controller was heard.
     repeated: u32,
     /// Item that is timed, and the time when it was sent. An item that was sent again is not timed, because its answer may
@@ -133,6 +141,7 @@ struct RoundTrips {
 impl RoundTrips {
     fn measure(&mut self, time: u64) {
         self.repeated = 0;
+        self.least = Some(self.least.map_or(time, |least| least.min(time)));
         self.measured = Some(match self.measured {
             None => (time, time / 2),
             Some((mean, deviation)) => (
@@ -172,6 +181,9 @@ pub struct Sender {
     limit: u64,
     /// Item from which the last gap was sent again.
     rewound: Option<u64>,
+    /// Bytes of items that may be under way behind the first one (`window`), and bytes of the frame of the last item (`size`).
+    window: u64,
+    size: u64,
     repeated: u64,
     trips: RoundTrips,
     /// Time of the first greeting, microseconds.
@@ -186,6 +198,9 @@ pub struct Sender {
     /// `true` if a report has told of one more frame since the last frame was sent.
     answered: bool,
     heard: Option<u64>,
+    /// Telemetry that has come since the host last told what it has seen: the lowest bits of its time, and the number of its
+    /// groups that have come.
+    seen: Option<(u32, u16)>,
     /// Newest epoch that the controller has told.
     epoch: u8,
     number: u8,
@@ -210,6 +225,8 @@ impl Sender {
             highest: 0,
             limit: 0,
             rewound: None,
+            window: WINDOW_BYTES[0],
+            size: 0,
             repeated: 0,
             trips: RoundTrips::default(),
             greeted_at: None,
@@ -219,6 +236,7 @@ impl Sender {
             sent: None,
             answered: false,
             heard: None,
+            seen: None,
             epoch: 0,
             number: 0,
             pending: None,
@@ -362,13 +380,20 @@ impl Sender {
             self.phase = Phase::Greeting;
         }
         let (session, message) = self.message(now, source, scratch)?;
-        (self.sent, self.answered) = (Some(now), false);
-        self.asked = self.asked.or(Some(now));
+        self.sent = Some(now);
+        // What was seen has no answer.
+        if !matches!(message, ToDevice::Seen { .. }) {
+            self.answered = false;
+            self.asked = self.asked.or(Some(now));
+        }
         let length = frame::write(self.options.node, session, &message, buffer)?;
         let length = match &mut self.credentials {
             None => frame::close(buffer, length)?,
             Some(credentials) => credentials.close(session, self.epoch, buffer, length)?,
         };
+        if matches!(message, ToDevice::Item { .. }) {
+            self.size = length as u64;
+        }
         buffer.get(..length)
     }
 
@@ -409,6 +434,11 @@ impl Sender {
             return None;
         }
         if self.phase == Phase::Open
+            && let Some((time, groups)) = self.seen.take()
+        {
+            return Some((self.session, ToDevice::Seen { time, groups }));
+        }
+        if self.phase == Phase::Open
             && let Some((sequence, item)) = self.item(now, source, scratch)
         {
             return Some((self.session, ToDevice::Item { sequence, item }));
@@ -439,7 +469,8 @@ impl Sender {
             self.next = self.acked;
         }
         let refused = self.report.is_some_and(|report| report.refused.is_some());
-        if self.next >= self.limit || refused {
+        let bytes = (self.next - self.acked) * self.size;
+        if self.next >= self.limit || refused || bytes > self.window {
             return None;
         }
         let item = source.item(self.next, scratch)?;
@@ -503,10 +534,34 @@ impl Sender {
                 self.epoch = report.epoch;
                 self.learn(report, now)?;
             }
-            ToHost::Telemetry { .. } | ToHost::Measured { .. } => {}
+            ToHost::Telemetry {
+                time,
+                first,
+                angles,
+                ..
+            } => {
+                let [a, b, c, d, ..] = time.to_le_bytes();
+                let groups = u16::try_from(angles.len() / 4).unwrap_or(u16::MAX);
+                self.seen = Some((
+                    u32::from_le_bytes([a, b, c, d]),
+                    first.saturating_add(groups),
+                ));
+            }
+            ToHost::Measured { .. } => {}
         }
         self.heard = Some(now);
         Some(message)
+    }
+
+    /// Doubles the window if little waited on the line in this round trip, and otherwise halves it.
+    fn widen(&mut self, trip: u64) {
+        let [least, most] = WINDOW_BYTES;
+        let shortest = self.trips.least.unwrap_or(trip);
+        self.window = if trip <= shortest + MAX_QUEUED_US {
+            most.min(2 * self.window)
+        } else {
+            least.max(self.window / 2)
+        };
     }
 
     /// Takes in a report, unless it is older than the last one.
@@ -530,7 +585,9 @@ impl Sender {
             self.acked += came;
             if let Some((_, sent)) = self.trips.timed.filter(|(item, _)| *item < self.acked) {
                 self.trips.timed = None;
-                self.trips.measure(now.saturating_sub(sent));
+                let time = now.saturating_sub(sent);
+                self.trips.measure(time);
+                self.widen(time);
             }
             self.next = self.next.max(self.acked);
             self.progress = now;

@@ -250,6 +250,13 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
             "Pair: 16 bytes, all of them 7",
         ),
         (
+            bytes(ToDevice::Seen {
+                time: 1_000_000,
+                groups: 48,
+            }),
+            "Seen: the telemetry of 1 s, up to group 48",
+        ),
+        (
             bytes(ToHost::Mismatch {
                 id,
                 version,

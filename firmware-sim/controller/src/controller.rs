@@ -6,7 +6,7 @@
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
 use foldpath_core::follower::{
-    Denial, Fault, Follower, Hinge, Measurement, Options, Reason, State, Target,
+    Denial, Fault, Follower, Measurement, Options, Reason, State, Target,
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
@@ -33,6 +33,10 @@ const RESERVE_BYTES: usize = 4 * cobs::longest(64);
 /// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
 /// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
 const MIN_GREETING_US: u64 = 50_000;
+/// Longest wait for a host that tells what it has seen, microseconds: then its word or the telemetry was lost.
+const UNSEEN_US: u32 = 500_000;
+/// No wait before the first telemetry of a session.
+const FIRST_US: u32 = 1;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
 pub const ALONE: Membership = Membership {
@@ -132,7 +136,13 @@ pub struct Controller<
     /// Time when telemetry was due last. The tick behind that of the time `asked` is told: `asks` until then.
     telemetry: u64,
     asks: bool,
+    /// `true` if the host of this session tells what it has seen.
+    sees: bool,
     asked: u64,
+    /// Time when telemetry was last sent (`posted`, lowest 32 bits), and microseconds from then on until more is sent
+    /// (`pause`): [`FIRST_US`] before the first of a session, and 0 for a host that does not tell what it has seen.
+    posted: u32,
+    pause: u32,
     /// Time of the last answer that was no report.
     greeted_at: Option<u64>,
     /// Time when sensors are looked at next.
@@ -190,7 +200,10 @@ impl<
             told: None,
             telemetry: 0,
             asks: false,
+            sees: false,
             asked: 0,
+            posted: 0,
+            pause: FIRST_US,
             greeted_at: None,
             looks: 0,
             snapshot: Snapshot::none(),
@@ -307,6 +320,7 @@ impl<
             loader.enter();
             // A host that comes later learns of the stop line from its first report.
             self.drawn = false;
+            (self.sees, self.pause) = (false, FIRST_US);
         }
         let Some(event) = event else {
             return;
@@ -314,6 +328,15 @@ impl<
         loader.follower.heard(now);
         match event {
             Event::Alive => {}
+            // On a slow line the next telemetry waits for as long again, so that it takes no more than half of the line.
+            Event::Seen(time, groups) => {
+                let newest = (low(self.snapshot.time), self.snapshot.told());
+                let passed = low(now).wrapping_sub(self.posted);
+                self.sees = true;
+                if newest == (time, groups.into()) {
+                    self.pause = passed.saturating_mul(2).min(UNSEEN_US);
+                }
+            }
             // A motion that is not at rest would have to hold at once, because its session ends.
             Event::Pair(key) => {
                 let follower = &loader.follower;
@@ -408,13 +431,14 @@ impl<
         &mut self,
         mut drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
     ) {
-        if self.asks || self.loader.jog.hinge().is_some() {
+        let follower = &self.loader.follower;
+        if self.asks || !follower.is_known() || self.loader.jog.hinge().is_some() {
             return self.drive_and_note(&mut drive);
         }
         let Loader {
             sheet, follower, ..
         } = &mut self.loader;
-        drive_some(follower, 0, sheet.some_hinges(0..usize::MAX), &mut drive);
+        follower.drive_known(0, sheet.driven(), drive);
     }
 
     /// Drives all hinges, and notes what is measured of those that telemetry tells, or of the one that is watched or moved
@@ -433,32 +457,24 @@ impl<
         let window = &mut self.window;
         window.begin(jog.hinge());
         let told = window.hinges();
-        if told.start > 0 {
-            drive_some(follower, 0, sheet.some_hinges(0..told.start), drive);
-        }
-        let (alone, mut hinge) = (jog.target(), told.start);
-        let mut places = window.angles.iter_mut();
-        let mut newest = None;
+        let (alone, mut newest) = (jog.target(), None);
         let noting = |hinge, membership, target| {
+            let Some(place) = window.place(hinge) else {
+                return drive(hinge, membership, target);
+            };
             let measurement = drive(hinge, membership, alone.or(target));
-            if let Some(place) = places.next() {
-                let angle = measurement.map_or(f32::NAN, |measurement| measurement.angle);
-                *place = angle.to_le_bytes();
-            }
+            let angle = measurement.map_or(f32::NAN, |measurement| measurement.angle);
+            *place = angle.to_le_bytes();
             newest = measurement.or(newest);
             measurement
         };
-        let some = sheet.some_hinges(told.clone());
-        hinge += some.len();
-        follower.drive_from(number(told.start), some, noting);
-        let rest = sheet.some_hinges(told.end..usize::MAX);
-        window.end(newest.is_some(), hinge - told.start, rest.len());
-        if rest.len() > 0 {
-            drive_some(follower, number(told.end), rest, drive);
-        }
+        let hinges = sheet.driven();
+        let count = hinges.len();
+        follower.drive_from(0, hinges, noting);
+        window.end(newest.is_some(), count);
         if jog.hinge().is_some() {
-            if hinge == told.start {
-                newest = drive(number(hinge), ALONE, alone);
+            if count <= told.start {
+                newest = drive(number(told.start), ALONE, alone);
             }
             jog.measure(newest);
             window.narrow(jog, self.settings.follower.fresh);
@@ -533,6 +549,9 @@ impl<
     fn tell(&mut self, now: u64, buffer: &mut [u8]) {
         let tick = self.loader.follower.now();
         if !self.asks {
+            if low(now).wrapping_sub(self.posted) < self.pause {
+                return;
+            }
             let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
             if due && self.snapshot.is_sent() {
                 (self.asks, self.asked, self.telemetry) = (true, tick, now);
@@ -555,8 +574,18 @@ impl<
             self.receiver.posted();
             if self.snapshot.is_sent() {
                 self.window.clear();
+                continue;
+            }
+            self.snapshot.sent();
+            self.posted = low(now);
+            // A host that has not told what it has seen of the first telemetry will never do so.
+            self.pause = if self.sees || self.pause == FIRST_US {
+                UNSEEN_US
             } else {
-                self.snapshot.sent();
+                0
+            };
+            if self.pause > 0 && !self.snapshot.is_sent() {
+                return;
             }
         }
     }
@@ -571,19 +600,10 @@ impl<
     }
 }
 
-/// Drives some hinges of a sheet. Not inlined, so that an image has the loop over the hinges once.
-#[inline(never)]
-fn drive_some<
-    const GROUPS: usize,
-    const KNOTS: usize,
-    D: FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
->(
-    follower: &mut Follower<f32, GROUPS, KNOTS>,
-    first: u32,
-    hinges: impl Iterator<Item = impl Hinge>,
-    drive: &mut D,
-) {
-    follower.drive_from(first, hinges, drive);
+/// Returns the lowest 32 bits of a time.
+fn low(time: u64) -> u32 {
+    let [a, b, c, d, ..] = time.to_le_bytes();
+    u32::from_le_bytes([a, b, c, d])
 }
 
 /// Returns the number of a hinge; those that are sent have 16 bits.

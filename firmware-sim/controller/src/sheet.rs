@@ -4,7 +4,6 @@
 //! owns every drive at every time.
 
 use core::cell::Cell;
-use core::ops::Range;
 
 use foldpath_core::acceptance::SheetView;
 use foldpath_core::follower::Hinge;
@@ -252,18 +251,12 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
 
     /// Iterates over group and sign of each hinge that is driven.
     pub fn hinges(&self) -> impl ExactSizeIterator<Item = Membership> {
-        self.some_hinges(0..usize::MAX)
-            .map(|hinge| hinge.membership())
+        self.driven().map(|hinge| hinge.membership())
     }
 
-    /// Iterates over those hinges that are driven and in this range.
-    pub(crate) fn some_hinges(
-        &self,
-        hinges: Range<usize>,
-    ) -> impl ExactSizeIterator<Item = Driven<'_>> {
-        let end = hinges.end.min(self.driven.len());
-        let some = self.driven.get(hinges.start..end).unwrap_or(&[]);
-        some.iter().map(|code| Driven(code, code.get()))
+    /// Iterates over the hinges that are driven.
+    pub(crate) fn driven(&self) -> impl ExactSizeIterator<Item = Driven<'_>> {
+        self.driven.iter().map(|code| Driven(code, code.get()))
     }
 
     /// Returns the number of driven hinges that were measured.

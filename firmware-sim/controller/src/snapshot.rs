@@ -54,6 +54,11 @@ impl<const GROUPS: usize> Snapshot<GROUPS> {
         self.sent.is_none()
     }
 
+    /// Returns the number of groups that were sent.
+    pub(crate) fn told(&self) -> usize {
+        self.sent.unwrap_or(self.groups)
+    }
+
     /// Returns the next piece, if there is one.
     pub(crate) fn message(&self) -> Option<ToHost<'_>> {
         let sent = self.sent?;

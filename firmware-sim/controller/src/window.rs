@@ -51,12 +51,20 @@ impl Window {
         first..first + usize::from(self.count)
     }
 
-    /// Ends a window of `hinges` hinges with some `behind` it, of which one was `measured` or none.
-    pub(crate) fn end(&mut self, measured: bool, hinges: usize, behind: usize) {
+    /// Returns the place for the angle of a hinge, if the hinge is in the window.
+    pub(crate) fn place(&mut self, hinge: u32) -> Option<&mut [u8; 4]> {
+        let place = hinge.checked_sub(self.first.into())?;
+        let angles = self.angles.get_mut(..usize::from(self.count))?;
+        angles.get_mut(usize::try_from(place).ok()?)
+    }
+
+    /// Ends a window on a sheet of `hinges` hinges, of which one in the window was `measured` or none.
+    pub(crate) fn end(&mut self, measured: bool, hinges: usize) {
+        let hinges = u16::try_from(hinges).unwrap_or(u16::MAX);
         let next = self.first.saturating_add(self.count);
-        self.next = if behind > 0 { next } else { 0 };
+        self.next = if next < hinges { next } else { 0 };
         self.count = if measured {
-            u16::try_from(hinges).unwrap_or(MAX_WINDOW_HINGES)
+            self.count.min(hinges.saturating_sub(self.first))
         } else {
             0
         };

@@ -27,6 +27,7 @@ pub(crate) const LINE: Faults = Faults {
     delay: 1000,
     late: 5000,
     speed: 1e5,
+    buffer: 0,
     capacity: usize::MAX,
 };
 pub(crate) const NOISY: Faults = Faults {

@@ -104,6 +104,12 @@ pub(crate) enum Command {
     ///
     /// Exit status: 0 if the controller has the key; 1 if it takes none or does not answer; 2 for bad input or usage.
     Pair(Pair),
+    /// Serve a simulated controller over TCP, in real time, for other clients
+    ///
+    /// The controller has room for 256 groups, 16,384 hinges, 4,096 spokes and 64 setpoints. Its hinges stand at 0, move as
+    /// they are commanded, and are measured. It serves one client at a time, and runs until the process is ended; what a
+    /// client leaves, the next one finds.
+    Sim(Served),
     /// Print the completion script of a shell
     #[command(after_help = examples(["completions bash > foldpath.bash", "completions zsh > _foldpath"]))]
     Completions {
@@ -434,6 +440,22 @@ pub(crate) struct Pair {
     /// Speed of a serial line, baud
     #[arg(long, default_value_t = 115_200)]
     pub(crate) baud: u32,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = examples([
+    "sim --listen 4444",
+    "sim --listen 0.0.0.0:4444 --key lab.key",
+]))]
+pub(crate) struct Served {
+    /// Address: HOST:PORT, or PORT of this machine alone; port 0 stands for any free one
+    ///
+    /// The address is printed once the controller can be reached there.
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) listen: String,
+    /// File of the key that the controller has, as `foldpath pair` writes it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
 }
 
 /// Options of the line to a controller.

@@ -29,6 +29,7 @@ mod png;
 mod progress;
 mod reach;
 mod report;
+mod sim;
 mod standard;
 mod stream;
 mod unfold;
@@ -115,6 +116,7 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Stream(args) => stream::run(&args, quiet),
         args::Command::Drive(args) => drive::run(&args, quiet),
         args::Command::Pair(args) => pair::run(&args, quiet),
+        args::Command::Sim(args) => sim::run(&args, quiet),
         args::Command::Completions { shell } => complete::completions(shell),
         args::Command::Man { output } => complete::man(output.as_deref()),
     }

@@ -317,6 +317,7 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             let inputs = stdin.into_iter().chain(some("--key", &args.line.key));
             (inputs.collect(), vec![])
         }
+        Command::Sim(args) => (some("--key", &args.key).into_iter().collect(), vec![]),
         Command::Pair(_) | Command::Completions { .. } | Command::Man { .. } => (vec![], vec![]),
     }
 }

@@ -17,6 +17,13 @@ use crate::symmetry::largest_star_residual;
 /// of the path from which the file was exported.
 const SAME_ANGLE_RAD: f32 = 1e-6;
 
+/// Places of a segment at which measured angles are compared with it, from 0 to 1.
+const NEAREST_GRID: [f32; 9] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+/// Difference of distances from measured angles (radians) up to which two places are as near: less than sensors err.
+const SAME_PLACE_RAD: f32 = 0.005;
+/// The same before the places are refined.
+const NEAREST_STEP_RAD: f32 = 0.2;
+
 /// The decoded content of a `.traj` file.
 #[derive(Clone, Debug)]
 pub struct StreamPath {
@@ -187,6 +194,79 @@ impl StreamPath {
         most_commanded(self.closure, spokes).to_f64()
     }
 
+    /// Returns the place of the path that is nearest to these measured angles of the hinges (radians, NaN for none): where the
+    /// group that is farthest from the mean of its hinges is nearest to it. Of places that are as near, it is the one nearest to
+    /// `told`. `None` if no hinge was measured.
+    #[must_use]
+    pub fn nearest(
+        &self,
+        measured: &[f32],
+        told: FollowerPosition<f32>,
+    ) -> Option<FollowerPosition<f32>> {
+        let view = self.view()?;
+        let means = self.group_means(measured);
+        if means.is_empty() {
+            return None;
+        }
+        let distance = |(k, s): (usize, f32)| {
+            let off = means.iter().map(|(group, mean)| {
+                let curve = view.curve(k, *group);
+                curve.map_or(f32::INFINITY, |curve| (curve.angle(s) - mean).abs())
+            });
+            off.fold(0.0, f32::max)
+        };
+        let times = self.times();
+        let time = |(k, s): (usize, f32)| {
+            let ends = times.get(k).zip(times.get(k + 1));
+            ends.map_or(0.0, |(from, to)| from + s * (to - from))
+        };
+        let told = times.get(usize::try_from(told.knot).ok()?)? + told.into;
+        let segments = times.len().saturating_sub(1);
+        let grid = (0..segments).flat_map(|k| NEAREST_GRID.map(|s| (k, s)));
+        let far: Vec<f32> = grid.clone().map(distance).collect();
+        let at = |index: usize| far.get(index).copied().unwrap_or(f32::INFINITY);
+        let least = far.iter().copied().fold(f32::INFINITY, f32::min);
+        let is_least = |index: usize| {
+            let beside = at(index.wrapping_sub(1)).min(at(index + 1));
+            at(index) <= beside && at(index) <= least + NEAREST_STEP_RAD
+        };
+        let minima = grid.enumerate().filter(|(index, _)| is_least(*index));
+        let refined = minima.map(|(_, (k, s))| (k, refined(s, |s| distance((k, s)))));
+        let refined: Vec<_> = refined.map(|place| (place, distance(place))).collect();
+        let least = refined.iter().map(|(_, far)| *far).reduce(f32::min)?;
+        let alike = refined
+            .iter()
+            .filter(|(_, far)| *far <= least + SAME_PLACE_RAD);
+        let off = |place| (time(place) - told).abs();
+        let ((k, s), _) = alike.min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)))?;
+        let (knot, into) = if *s >= 1.0 {
+            (k + 1, 0.0)
+        } else {
+            (*k, time((*k, *s)) - times.get(*k)?)
+        };
+        let knot = u32::try_from(knot).ok()?;
+        Some(FollowerPosition { knot, into })
+    }
+
+    /// Returns each group of which hinges were measured, and the mean of their angles, radians.
+    fn group_means(&self, measured: &[f32]) -> Vec<(usize, f32)> {
+        let mut sums = vec![(0.0, 0.0); self.groups()];
+        for (membership, angle) in self.hinges.iter().zip(measured) {
+            let sum = sums.get_mut(membership.group.index());
+            if let Some((sum, count)) = sum.filter(|_| angle.is_finite()) {
+                *sum += membership.apply(*angle);
+                *count += 1.0;
+            }
+        }
+        let measured = sums
+            .iter()
+            .enumerate()
+            .filter(|(_, (_, count))| *count > 0.0);
+        measured
+            .map(|(group, (sum, count))| (group, sum / count))
+            .collect()
+    }
+
     /// Returns the stars of the essential vertices.
     #[must_use]
     pub fn stars(&self) -> Option<StarsView<'_, f32>> {
@@ -212,6 +292,31 @@ impl StreamPath {
             FollowerPosition::default(),
         )
     }
+}
+
+/// Returns the place near `s`, between the places of the grid beside it, at which `distance` is least.
+fn refined(s: f32, distance: impl Fn(f32) -> f32) -> f32 {
+    let (mut from, mut to) = ((s - 0.125).max(0.0), (s + 0.125).min(1.0));
+    for _ in 0..24 {
+        let [a, b] = [1.0, 2.0].map(|part| from + (to - from) * part / 3.0);
+        if distance(a) <= distance(b) {
+            to = b;
+        } else {
+            from = a;
+        }
+    }
+    // The ends are knots, at which rounding leaves nothing.
+    let inner = (from + to) / 2.0;
+    let ends = [0.0, 1.0]
+        .into_iter()
+        .filter(|end| (end - s).abs() <= 0.125);
+    ends.fold(inner, |best, end| {
+        if distance(end) <= distance(best) {
+            end
+        } else {
+            best
+        }
+    })
 }
 
 /// Returns rows of `width` numbers in reverse order, each number changed by `turn`.

@@ -80,11 +80,16 @@ impl Plant {
     /// Lets the hinges follow the angles commanded at `now` (microseconds) for a millisecond, and measures them.
     pub(super) fn turn(&mut self, now: u64, device: &mut SimDevice) {
         while let Some((_, trouble)) = self.script.pop_front_if(|(time, _)| *time <= now) {
-            self.hinges.befall(trouble);
+            self.befall(trouble);
         }
         self.hinges.follow(device.follower().angles(), 1e-3);
         let mut measured = self.hinges.measured();
         device.drive(|_, _, _| measured.next().map(|(.., angle)| Measurement::from(angle)));
+    }
+
+    /// Lets a trouble befall the hinges now.
+    pub fn befall(&mut self, trouble: Trouble) {
+        self.hinges.befall(trouble);
     }
 
     /// Folds the sheet by the hinges' angles and measures its errors.

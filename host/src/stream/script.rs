@@ -1,5 +1,5 @@
 //! Reads scripts of disturbances of hinges. Each line is one event: `SECONDS supply PART`, `SECONDS stick HINGE`,
-//! `SECONDS free HINGE` or `SECONDS jump HINGE RADIANS`. Empty lines and text after a `#` are skipped.
+//! `SECONDS free HINGE`, `SECONDS jump HINGE RADIANS` (of its sensor) or `SECONDS turn HINGE RADIANS` (by a hand). Empty lines and text after a `#` are skipped.
 
 use core::f64::consts::TAU;
 use core::ops::RangeInclusive;
@@ -27,7 +27,7 @@ pub fn parse_script(
         }
         let event = event(line, hinges).ok_or_else(|| {
             let expected = format!(
-                "SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, with hinges below {hinges}"
+                "SECONDS and supply 0..1, stick HINGE, free HINGE, jump HINGE RADIANS or turn HINGE RADIANS, with hinges below {hinges}"
             );
             FileError::expected(file, format!("line {number}"), expected, line)
         })?;
@@ -50,6 +50,7 @@ fn event(line: &str, hinges: usize) -> Option<(u64, Trouble)> {
         ["stick", word] => Trouble::Stick(hinge(word)?),
         ["free", word] => Trouble::Free(hinge(word)?),
         ["jump", word, radians] => Trouble::Jump(hinge(word)?, number(radians, -TAU..=TAU)?),
+        ["turn", word, radians] => Trouble::Turn(hinge(word)?, number(radians, -TAU..=TAU)?),
         _ => return None,
     };
     #[allow(

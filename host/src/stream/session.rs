@@ -42,14 +42,16 @@ pub enum Stands {
 #[non_exhaustive]
 pub struct Options {
     /// `true` to undo whatever holds the sheet at the beginning of the session, a stop line and a fault as well, and to begin
-    /// where the sheet stands instead of at the start of the path. A later hold is not undone.
+    /// where the sheet stands instead of at the start of the path: where the controller says; and if the hinges were measured
+    /// elsewhere, at the place that is [nearest](StreamPath::nearest) to what was measured, in another session. A later hold is
+    /// not undone.
     pub resume: bool,
     /// `true` to resume the motion whenever it holds because the line was silent.
     pub unattended: bool,
     /// Source of the place where the sheet stands. If it is not [`Stands::Known`], the session begins at the start of the
     /// path.
     pub stands: Stands,
-    /// Number of the session, different from that of any session with this controller before.
+    /// Number of the session, different from that of any session with this controller before, and 1 above it as well.
     pub id: u32,
     /// Key that the controller has as well. Without it, a controller that has a key answers nothing.
     pub key: Option<Key>,
@@ -153,14 +155,17 @@ pub fn run(
 ) -> io::Result<Summary> {
     // Only a host that goes on may stand on the reverse.
     let reverse = options.resume.then(|| path.reverse()).flatten();
+    let start = link.now();
     let mut session = Session {
         driver: driver(path, reverse.as_ref(), options)?,
         path,
         resume: options.resume,
+        seeks: options.resume && options.stands == Stands::Known,
         wish: Wish::Run,
         last: None,
         telemetry: None,
         told: None,
+        measured: vec![f32::NAN; path.hinges().len()],
         lag: None,
         denied: None,
         bytes: 0,
@@ -169,24 +174,14 @@ pub fn run(
         torn: None,
         quit: None,
     };
-    let start = link.now();
-    let mut failed = None;
-    let end = loop {
-        if let Err(error) = session.round(link, watcher, &mut failed) {
-            let what = format!("the line: {error}");
-            break (Outcome::NoDevice, Some(Ending::Line(what)));
-        }
-        if let Some(end) = session.end(link.now()) {
-            break end;
-        }
-    };
-    if let Some(telemetry) = session.tell().filter(|_| failed.is_none()) {
-        failed = watcher.telemetry(&telemetry).err();
+    let mut end = session.run(link, watcher)?;
+    if let Some(place) = session.nearest(&end) {
+        let id = options.id.wrapping_add(1);
+        let driver = driver(path, reverse.as_ref(), Options { id, ..options })?;
+        session.begin_again(driver.beginning_at(place));
+        end = session.run(link, watcher)?;
     }
-    match failed {
-        Some(error) => Err(error),
-        None => Ok(session.summary(end, link.now() - start)),
-    }
+    Ok(session.summary(end, link.now() - start))
 }
 
 /// Makes the driver of a session, which may also stand on the `reverse` of the path.
@@ -223,6 +218,8 @@ struct Session<'a> {
     driver: Driver<'a>,
     path: &'a StreamPath,
     resume: bool,
+    /// `true` if a sheet that was measured elsewhere goes on from there.
+    seeks: bool,
     wish: Wish,
     /// State and rate in the last telemetry.
     last: Option<(State, f32)>,
@@ -230,6 +227,8 @@ struct Session<'a> {
     telemetry: Option<Telemetry>,
     /// Telemetry that is whole, until what was measured has come, or other telemetry.
     told: Option<Telemetry>,
+    /// Newest measured angle of each hinge, radians; NaN for none.
+    measured: Vec<f32>,
     /// Largest lag so far.
     lag: Option<Lag>,
     /// Time since which the controller denies to start the path.
@@ -244,7 +243,46 @@ struct Session<'a> {
     quit: Option<Option<u64>>,
 }
 
-impl Session<'_> {
+impl<'a> Session<'a> {
+    /// Exchanges frames until the session has ended; returns its outcome and the reason.
+    fn run(
+        &mut self,
+        link: &mut impl Link,
+        watcher: &mut impl Watcher,
+    ) -> io::Result<(Outcome, Option<Ending>)> {
+        let mut failed = None;
+        let end = loop {
+            if let Err(error) = self.round(link, watcher, &mut failed) {
+                let what = format!("the line: {error}");
+                break (Outcome::NoDevice, Some(Ending::Line(what)));
+            }
+            if let Some(end) = self.end(link.now()) {
+                break end;
+            }
+        };
+        if let Some(telemetry) = self.tell().filter(|_| failed.is_none()) {
+            failed = watcher.telemetry(&telemetry).err();
+        }
+        failed.map_or(Ok(end), Err)
+    }
+
+    /// Returns the place of the path that is nearest to the measured angles, if the session resumes, and has ended because the
+    /// sheet stands elsewhere than the controller said.
+    fn nearest(&self, end: &(Outcome, Option<Ending>)) -> Option<FollowerPosition<f32>> {
+        let elsewhere = matches!(end.1, Some(Ending::Denied(Denial::Jump(_))));
+        let knot = u32::try_from(self.driver.first_knot()).ok()?;
+        let told = FollowerPosition { knot, into: 0.0 };
+        let place = self.path.nearest(&self.measured, told)?;
+        (elsewhere && self.seeks).then_some(place)
+    }
+
+    /// Begins another session with this driver.
+    fn begin_again(&mut self, driver: Driver<'a>) {
+        self.driver = driver;
+        (self.last, self.telemetry, self.told) = (None, None, None);
+        (self.denied, self.begun) = (None, None);
+    }
+
     /// Asks the watcher, reads what has arrived, and sends what is due. An error of the watcher goes to `failed`, after
     /// which the motion is stopped and the watcher gets no more telemetry.
     fn round(
@@ -318,7 +356,10 @@ impl Session<'_> {
                     angles,
                     ..
                 }) => {
-                    let (first, angles) = (first.into(), numbers(angles));
+                    let (first, angles) = (usize::from(first), numbers(angles));
+                    for (measured, angle) in self.measured.iter_mut().skip(first).zip(&angles) {
+                        *measured = *angle;
+                    }
                     if let Some(told) = self.told.as_mut().filter(|told| told.time == time) {
                         told.measured = Measured { first, angles };
                         return self.tell().map(Ok);
@@ -467,10 +508,9 @@ impl Session<'_> {
             return None;
         };
         match why {
-            Denial::Jump(_) | Denial::Place | Denial::Empty => {
-                Some((Outcome::Held, Ending::Denied(why)))
-            }
-            // The controller may need a while to measure all hinges, or for whatever else it denies a start.
+            Denial::Place | Denial::Empty => Some((Outcome::Held, Ending::Denied(why))),
+            Denial::Jump(_) if !self.seeks => Some((Outcome::Held, Ending::Denied(why))),
+            // The controller may need a while to measure all hinges and to tell of them, or for whatever else it denies a start.
             _ => {
                 let since = *self.denied.get_or_insert(now);
                 (now > since + PATIENCE_US).then_some((Outcome::Held, Ending::Denied(why)))

@@ -27,8 +27,12 @@ const LIMITS: GroupLimits = GroupLimits {
     acceleration: f32::INFINITY,
 };
 
-/// Length of a step, microseconds. Four steps are a tick of the controller.
+/// Length of a step and of a tick of the controller, microseconds.
 const STEP_US: u64 = 250;
+const TICK_US: u64 = 4 * STEP_US;
+/// Longest time that a controller in real time makes up for, microseconds, and number of bytes that may wait for its line.
+const MOST_MISSED_US: u64 = 1_000_000;
+const MOST_WAITING: usize = 4096;
 
 /// Time between two measurements of the sheet, microseconds.
 const LOOK_US: u64 = 20_000;
@@ -51,11 +55,11 @@ impl Sim {
     /// Starts a controller without a plant and without a key. It takes a key.
     #[must_use]
     pub fn new() -> Self {
-        Self::keyed(None)
+        Self::keyed(None, 1)
     }
 
-    /// Starts a controller without a plant that has this key, if there is one.
-    fn keyed(key: Option<Key>) -> Self {
+    /// Starts a controller without a plant that has this key, if there is one, and this nonce.
+    fn keyed(key: Option<Key>, nonce: u64) -> Self {
         let line = || {
             let faults = Faults {
                 delay: 1000,
@@ -72,7 +76,7 @@ impl Sim {
                     closed: false,
                     // The line stays in this process.
                     pairs: true,
-                    ..Settings::new(1, |_| LIMITS)
+                    ..Settings::new(nonce, |_| LIMITS)
                 },
                 key,
             )),
@@ -102,6 +106,72 @@ impl Sim {
         }
     }
 
+    /// Starts a controller as [`bench`](Self::bench) does, with this key, if there is one, and with this nonce: a random number
+    /// that tells this run from all others. It runs in the time of its caller: see [`pass`](Self::pass).
+    #[must_use]
+    pub fn serving(key: Option<Key>, nonce: u64) -> Self {
+        Self {
+            hinges: vec![0.0; MAX_HINGES],
+            ..Self::keyed(key, nonce)
+        }
+    }
+
+    /// Hands bytes to the controller, without the simulated line, and lets it run until `now`, microseconds since its start.
+    /// Appends its bytes for the line to `outgoing`, unless many wait there. Time that would take more than a second to make up
+    /// for is skipped.
+    pub fn pass(&mut self, now: u64, incoming: &[u8], outgoing: &mut Vec<u8>) {
+        if now > self.now + MOST_MISSED_US {
+            self.now = now;
+        }
+        for byte in incoming {
+            self.hear(*byte);
+        }
+        while self.now + TICK_US <= now {
+            self.now += TICK_US;
+            self.tick();
+            self.device.poll(self.now);
+        }
+        while outgoing.len() < MOST_WAITING
+            && let Some(byte) = self.device.take()
+        {
+            outgoing.push(byte);
+        }
+    }
+
+    /// Hands a byte to the controller.
+    fn hear(&mut self, byte: u8) {
+        self.device.byte(byte, self.now);
+        // There is no memory to store a key in: the controller is gone at the end of the process.
+        if let Some(key) = self.device.proposed_key() {
+            self.device.pair(key);
+        }
+    }
+
+    /// Lets the controller tick, and its hinges follow.
+    fn tick(&mut self) {
+        self.device.tick(self.now);
+        let waits = self.device.follower().state() == State::Ready;
+        let unmeasured = self.plant.is_none() && self.hinges.is_empty();
+        if unmeasured && waits && !self.device.follower().is_known() {
+            // Denied until the first setpoints have come.
+            let _ = self.device.follower_mut().confirm();
+        }
+        if let Some(plant) = &mut self.plant {
+            plant.turn(self.now, &mut self.device);
+            if self.now.is_multiple_of(LOOK_US) {
+                plant.look();
+            }
+        }
+        if !self.hinges.is_empty() {
+            let hinges = &mut self.hinges;
+            self.device.drive(|hinge, _, target| {
+                let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
+                *angle = target.map_or(*angle, |target| target.angle);
+                Some((*angle).into())
+            });
+        }
+    }
+
     /// Starts the controller anew with a key.
     #[must_use]
     pub fn with_key(self, key: Key) -> Self {
@@ -110,7 +180,7 @@ impl Sim {
             hinges: self.hinges,
             up: self.up,
             down: self.down,
-            ..Self::keyed(Some(key))
+            ..Self::keyed(Some(key), 1)
         }
     }
 
@@ -125,6 +195,12 @@ impl Sim {
         }
     }
 
+    /// Returns the numbers of bytes that wait on the line to the controller, and on the line back.
+    #[must_use]
+    pub fn waiting(&self) -> [f64; 2] {
+        [&self.up, &self.down].map(|line| line.waiting(self.now))
+    }
+
     /// Returns the controller.
     #[must_use]
     pub fn device(&self) -> &SimDevice {
@@ -135,6 +211,11 @@ impl Sim {
     #[must_use]
     pub fn plant(&self) -> Option<&Plant> {
         self.plant.as_ref()
+    }
+
+    /// Returns the plant, to let troubles befall it.
+    pub fn plant_mut(&mut self) -> Option<&mut Plant> {
+        self.plant.as_mut()
     }
 }
 
@@ -165,33 +246,10 @@ impl Link for Sim {
     fn wait(&mut self) -> io::Result<()> {
         self.now += STEP_US;
         while let Some(byte) = self.up.read(self.now) {
-            self.device.byte(byte, self.now);
-            // There is no memory to store a key in: the controller is gone at the end of the process.
-            if let Some(key) = self.device.proposed_key() {
-                self.device.pair(key);
-            }
+            self.hear(byte);
         }
-        if self.now.is_multiple_of(4 * STEP_US) {
-            self.device.tick(self.now);
-            let waits = self.device.follower().state() == State::Ready;
-            if self.plant.is_none() && waits && !self.device.follower().is_known() {
-                // Denied until the first setpoints have come.
-                let _ = self.device.follower_mut().confirm();
-            }
-            if let Some(plant) = &mut self.plant {
-                plant.turn(self.now, &mut self.device);
-                if self.now.is_multiple_of(LOOK_US) {
-                    plant.look();
-                }
-            }
-            if !self.hinges.is_empty() {
-                let hinges = &mut self.hinges;
-                self.device.drive(|hinge, _, target| {
-                    let angle = hinges.get_mut(usize::try_from(hinge).ok()?)?;
-                    *angle = target.map_or(*angle, |target| target.angle);
-                    Some((*angle).into())
-                });
-            }
+        if self.now.is_multiple_of(TICK_US) {
+            self.tick();
         }
         self.device.poll(self.now);
         while self.down.is_free(self.now)

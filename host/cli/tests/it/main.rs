@@ -28,6 +28,7 @@ mod recorded;
 mod routes;
 mod rust_source;
 mod schema;
+mod served;
 mod session;
 mod sloppy_drawings;
 mod slow_line;

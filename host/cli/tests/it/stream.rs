@@ -13,7 +13,7 @@ use std::time::Instant;
 use crate::common::folder;
 use crate::session;
 use foldpath::stream::{
-    Ending, Faulty, Link, Options, Outcome, Sim, StreamPath, Summary, Telemetry, Wish,
+    Ending, Faulty, Link, Options, Outcome, Plant, Sim, StreamPath, Summary, Telemetry, Wish,
 };
 use foldpath_controller::{Controller, Settings};
 use foldpath_core::acceptance::{Setpoint, SheetView};
@@ -29,6 +29,7 @@ use foldpath_core::{
     local_foldability_matrix,
 };
 use foldpath_firmware_sim::faults::Faults;
+use foldpath_firmware_sim::hinges::{Drive, Trouble};
 use foldpath_test_support::{Folder, curve};
 use serde_json::Value;
 
@@ -607,6 +608,51 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // Nothing is left to do, so the outcome is done.
     let (summary, _) = session(&mut sim, &path, (4, true), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+}
+
+/// A sheet that a hand has taken back along its path goes on from where it stands, slowly, and not from where it was. Without
+/// `--resume` nothing moves.
+#[test]
+fn a_sheet_that_was_moved_along_its_path_goes_on_from_there() {
+    let folder = small();
+    let bytes = std::fs::read(folder.path("path.traj")).unwrap();
+    let path = read(&folder);
+    let mut sim = Sim::driving(Plant::new(&path, Drive::default(), 1, Vec::new()));
+    let stop = |heard: &[Telemetry]| {
+        let folds = |told: &Telemetry| told.angles.iter().any(|angle| angle.abs() > 1.2);
+        if heard.last().is_some_and(folds) {
+            Wish::Stop
+        } else {
+            Wish::Run
+        }
+    };
+    let (_, heard) = session(&mut sim, &path, (1, false), &stop);
+    let stood = heard.last().unwrap();
+    let mut back = stood.place;
+    (back.knot, back.into) = (back.knot / 2, 0.01);
+    let there = at(&bytes, back);
+    let way = there.iter().zip(&stood.angles).map(|(to, from)| to - from);
+    let way: Vec<f32> = way.collect();
+    assert!(way.iter().any(|by| by.abs() > 0.3), "{way:?}");
+    // The supply fails, and a hand turns all hinges.
+    let plant = sim.plant_mut().unwrap();
+    plant.befall(Trouble::Supply(0.0));
+    for (hinge, membership) in path.hinges().iter().enumerate() {
+        let by = membership.apply(way[membership.group.index()]);
+        plant.befall(Trouble::Turn(hinge, by.into()));
+    }
+    (0..200).for_each(|_| sim.wait().unwrap());
+    sim.plant_mut().unwrap().befall(Trouble::Supply(1.0));
+    let (summary, _) = session(&mut sim, &path, (3, false), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Faulted, "{summary:?}");
+    let (summary, heard) = session(&mut sim, &path, (5, true), &|_| Wish::Run);
+    assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
+    let begun = heard.iter().find(|told| !told.angles.is_empty()).unwrap();
+    for (angle, there) in begun.angles.iter().zip(&there) {
+        assert!((angle - there).abs() < 0.02, "{begun:?} {there}");
+    }
+    let closure = summary.max_closure;
+    assert!(closure <= path.most_told(), "{closure}");
 }
 
 #[test]
