@@ -114,6 +114,8 @@ impl core::error::Error for Failure {}
 /// Time by which a round trip may be longer than the shortest one, microseconds, because items wait in a buffer of the line: a
 /// command waits as long.
 const MAX_QUEUED_US: u64 = 200_000;
+/// Round trip from which on a line counts as slow, microseconds: its buffers may fill.
+const SLOW_TRIP_US: u64 = 5_000;
 /// Least and largest window, bytes.
 const WINDOW_BYTES: [u64; 2] = [64, 1 << 20];
 
@@ -181,7 +183,9 @@ pub struct Sender {
     limit: u64,
     /// Item from which the last gap was sent again.
     rewound: Option<u64>,
-    /// Bytes of items that may be under way behind the first one (`window`), and bytes of the frame of the last item (`size`).
+    /// `true` once a round trip took long, or if none was measured while greeting. Then bytes of items that may be under way
+    /// behind the first one (`window`), and bytes of the frame of the last item (`size`).
+    slow: bool,
     window: u64,
     size: u64,
     repeated: u64,
@@ -225,6 +229,7 @@ impl Sender {
             highest: 0,
             limit: 0,
             rewound: None,
+            slow: false,
             window: WINDOW_BYTES[0],
             size: 0,
             repeated: 0,
@@ -433,9 +438,7 @@ impl Sender {
         if self.phase == Phase::Open && self.holds() {
             return None;
         }
-        if self.phase == Phase::Open
-            && let Some((time, groups)) = self.seen.take()
-        {
+        if let Some((time, groups)) = self.seen.take() {
             return Some((self.session, ToDevice::Seen { time, groups }));
         }
         if self.phase == Phase::Open
@@ -470,7 +473,7 @@ impl Sender {
         }
         let refused = self.report.is_some_and(|report| report.refused.is_some());
         let bytes = (self.next - self.acked) * self.size;
-        if self.next >= self.limit || refused || bytes > self.window {
+        if self.next >= self.limit || refused || self.slow && bytes > self.window {
             return None;
         }
         let item = source.item(self.next, scratch)?;
@@ -520,8 +523,14 @@ impl Sender {
                 self.epoch = epoch;
                 self.capacity = Some(capacity);
                 if let Some(greeted_at) = self.greeted_at.filter(|_| self.trips.repeated == 0) {
-                    self.trips.measure(now.saturating_sub(greeted_at));
+                    let time = now.saturating_sub(greeted_at);
+                    self.trips.measure(time);
+                    self.slow = time >= SLOW_TRIP_US;
+                } else {
+                    self.slow = true;
                 }
+                // The controller has to know before it sends telemetry.
+                self.seen = self.slow.then_some((0, 0));
             }
             _ if session != self.session || self.phase == Phase::Greeting => return None,
             ToHost::Unknown => match self.phase {
@@ -539,7 +548,7 @@ impl Sender {
                 first,
                 angles,
                 ..
-            } => {
+            } if self.slow => {
                 let [a, b, c, d, ..] = time.to_le_bytes();
                 let groups = u16::try_from(angles.len() / 4).unwrap_or(u16::MAX);
                 self.seen = Some((
@@ -547,14 +556,15 @@ impl Sender {
                     first.saturating_add(groups),
                 ));
             }
-            ToHost::Measured { .. } => {}
+            ToHost::Telemetry { .. } | ToHost::Measured { .. } => {}
         }
         self.heard = Some(now);
         Some(message)
     }
 
-    /// Doubles the window if little waited on the line in this round trip, and otherwise halves it.
+    /// Notes whether the line is slow. Doubles the window if little waited on the line in this round trip, and otherwise halves it.
     fn widen(&mut self, trip: u64) {
+        self.slow |= trip >= SLOW_TRIP_US;
         let [least, most] = WINDOW_BYTES;
         let shortest = self.trips.least.unwrap_or(trip);
         self.window = if trip <= shortest + MAX_QUEUED_US {

@@ -35,8 +35,6 @@ const RESERVE_BYTES: usize = 4 * cobs::longest(64);
 const MIN_GREETING_US: u64 = 50_000;
 /// Longest wait for a host that tells what it has seen, microseconds: then its word or the telemetry was lost.
 const UNSEEN_US: u32 = 500_000;
-/// No wait before the first telemetry of a session.
-const FIRST_US: u32 = 1;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
 pub const ALONE: Membership = Membership {
@@ -140,7 +138,7 @@ pub struct Controller<
     sees: bool,
     asked: u64,
     /// Time when telemetry was last sent (`posted`, lowest 32 bits), and microseconds from then on until more is sent
-    /// (`pause`): [`FIRST_US`] before the first of a session, and 0 for a host that does not tell what it has seen.
+    /// (`pause`): 0 for a host that does not tell what it has seen.
     posted: u32,
     pause: u32,
     /// Time of the last answer that was no report.
@@ -203,7 +201,7 @@ impl<
             sees: false,
             asked: 0,
             posted: 0,
-            pause: FIRST_US,
+            pause: 0,
             greeted_at: None,
             looks: 0,
             snapshot: Snapshot::none(),
@@ -320,7 +318,7 @@ impl<
             loader.enter();
             // A host that comes later learns of the stop line from its first report.
             self.drawn = false;
-            (self.sees, self.pause) = (false, FIRST_US);
+            (self.sees, self.pause) = (false, 0);
         }
         let Some(event) = event else {
             return;
@@ -578,13 +576,8 @@ impl<
             }
             self.snapshot.sent();
             self.posted = low(now);
-            // A host that has not told what it has seen of the first telemetry will never do so.
-            self.pause = if self.sees || self.pause == FIRST_US {
-                UNSEEN_US
-            } else {
-                0
-            };
-            if self.pause > 0 && !self.snapshot.is_sent() {
+            self.pause = if self.sees { UNSEEN_US } else { 0 };
+            if self.sees && !self.snapshot.is_sent() {
                 return;
             }
         }

@@ -19,7 +19,9 @@ pub(crate) fn run(args: &Served, quiet: bool) -> Answer {
     let key = key.transpose()?;
     let listener = bind(&args.listen).map_err(|error| {
         let address = &args.listen;
-        CliError::Usage(format!("--listen {address}: {error}"))
+        CliError::Usage(format!(
+            "--listen {address}: expected HOST:PORT or PORT, an address of this machine that is free; {error}"
+        ))
     })?;
     let address = listener.local_addr().map_err(CliError::Output)?;
     print(&format!("sim: listens at {address}\n"))?;

@@ -129,8 +129,9 @@ fn a_fold_over_a_slow_line_takes_three_tenths_longer_than_its_motion() {
                 let (summary, _) =
                     session::session(&mut link, &path, options(seed), &|_| Wish::Run);
                 assert_eq!(summary.outcome, Outcome::Done, "{seed}: {summary:?}");
-                // Nothing is sent again but what may have got lost.
-                assert!(summary.retransmitted <= 6, "{seed}: {summary:?}");
+                // Nothing is sent again but what may have got lost, and behind a buffer the first items, which it takes at once.
+                let most = if buffer == 0 { 6 } else { 12 };
+                assert!(summary.retransmitted <= most, "{seed}: {summary:?}");
                 for (most, now) in waited.iter_mut().zip(link.waited) {
                     *most = most.max(now);
                 }

@@ -1100,8 +1100,8 @@ fn bad_files_and_usage_are_told() {
         ("path.traj --to sim --log no/log.csv", "no/log.csv: "),
         (
             "path.traj --to sim --script script.txt",
-            "script.txt: line 2: expected SECONDS and supply 0..1, stick HINGE, free HINGE or jump HINGE RADIANS, \
-             with hinges below 12, found 1 stick 12",
+            "script.txt: line 2: expected SECONDS and supply 0..1, stick HINGE, free HINGE, jump HINGE RADIANS or turn \
+             HINGE RADIANS, with hinges below 12, found 1 stick 12",
         ),
         ("path.traj --to sim --script none.txt", "none.txt: "),
         (
