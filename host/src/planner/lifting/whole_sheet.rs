@@ -8,13 +8,14 @@ use super::measured_motion::torn;
 use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept, angles_before, place_before};
 use crate::collision::{Crossing, Place};
 use crate::planner::following::judge::Judge;
-use crate::planner::knots::KnotSequence;
+use crate::planner::knots::{KnotSequence, errors};
 use crate::planner::plan::Outcome;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
 use crate::util::clock::Instant;
+use crate::util::nan_max::larger;
 
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
 const NEARER_FACTOR: f64 = 0.01;
@@ -213,6 +214,10 @@ impl Lifting<'_> {
         } else if let Some(end) = knots.end_at(self.clear(knots, place)) {
             let mut judge = Judge::new(problem, self.reduction, false);
             self.measure_knot(&mut judge, end);
+            // Between knots a sheet closes less well than at them.
+            let here = errors(end);
+            lifted.errors.rigidity = lifted.errors.rigidity.worse(here);
+            lifted.errors.closure = larger(lifted.errors.closure, here.twist);
         }
         lifted.reached = self.reached * fraction;
         lifted.goal_error = Some(self.reduction.distance(lifted.knots.end(), problem.goal));
