@@ -158,6 +158,25 @@ impl<T: Scalar> Curve<T> {
         }
     }
 
+    /// Returns angle, rate and weight at `s` of a segment that is `span` units of the parameter long. A knot there cuts the
+    /// segment in two without a change of the motion.
+    #[must_use]
+    pub fn node(&self, s: T, span: T) -> Node<T> {
+        let weight = match self {
+            Self::Angle(_) => [T::one(), T::zero()],
+            Self::HalfAngle { cos, sin } => {
+                let ([c, c1, _], [n, n1, _]) = (jet(cos, s), jet(sin, s));
+                let weight = (c * c + n * n).sqrt();
+                [weight, (c * c1 + n * n1) / (weight * span)]
+            }
+        };
+        Node {
+            angle: self.angle(s),
+            rate: self.derivatives(s)[0] / span,
+            weight,
+        }
+    }
+
     /// Returns cosine and sine of half the fold angle at `s`.
     #[must_use]
     pub fn half_angle(&self, s: T) -> HalfAngle<T> {

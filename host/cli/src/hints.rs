@@ -5,18 +5,26 @@ use std::path::Path;
 
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
-use foldpath::pattern::PatternError;
-use foldpath::planner::{GoalError, Note};
+use foldpath::pattern::{LostLines, PatternError};
+use foldpath::planner::{CHOSEN_REACH, GoalError, Note, Reason};
 use foldpath::read::FileError;
-use foldpath::request::RequestError;
-use foldpath::unfold::{Reason, ShapeError};
+use foldpath::request::{PlanRequest, RequestError};
+use foldpath::unfold::{Reason as UnfoldReason, ShapeError};
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
-        CliError::Request(RequestError::Goal { source, file }) => of_goal(source, file),
+        CliError::Request(RequestError::Goal {
+            lost:
+                Some(LostLines {
+                    kept_by: Some(tolerance),
+                    ..
+                }),
+            ..
+        }) => Some(format!("`--tolerance {tolerance}` keeps all lines")),
+        CliError::Request(RequestError::Goal { source, file, .. }) => of_goal(source, file),
         CliError::Request(RequestError::Option { hint, .. }) => hint.clone(),
         _ => None,
     }
@@ -32,17 +40,60 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
         Note::OverlapsAtGoal(most) => {
             Some(format!("`--contact {most:.1e}` takes that for contact"))
         }
+        Note::PartWay(fraction) => Some(format!(
+            "`--fold {fraction}` asks for no more than that, and may do"
+        )),
+        Note::TurnTogether { .. } => {
+            Some("`--via FILE` turns some of them before the others".into())
+        }
+        _ => None,
+    }
+}
+
+/// Returns a hint on what to do about the reason of a no to this request, if there is one.
+pub(crate) fn of_reason(reason: &Reason, request: &PlanRequest) -> Option<String> {
+    match reason {
+        Reason::PathStops {
+            limited: Some(hinge),
+            ..
+        } => {
+            let limits = request.limit.iter();
+            let mut limits = limits.map(|limit| (limit.edge, limit.degrees));
+            let (edge, [lower, upper]) = limits
+                .find(|(edge, _)| hinge.edges.iter().any(|member| member.index() == *edge))?;
+            Some(format!(
+                "`--limit {edge}={lower}..{upper}` holds it; a wider limit lets it turn on"
+            ))
+        }
+        Reason::NearGoal {
+            farthest: Some((_, short)),
+            flat,
+            ..
+        } if flat.is_empty() && *short <= CHOSEN_REACH => {
+            let enough = two_digits_above(short.to_degrees());
+            Some(format!(
+                "`--goal-tolerance {enough}` takes the configuration that was found"
+            ))
+        }
+        Reason::Deforms { whole, closure, .. } => {
+            let most = two_digits_above(whole.deformation.max(whole.gap).max(*closure));
+            (most <= 1.0).then(|| format!("it takes `--bound {most}` at least"))
+        }
+        Reason::NotCertified { certified, .. } => {
+            let most = two_digits_above(*certified);
+            (most <= 1.0).then(|| format!("`--bound {most}` asks for no more than is certified"))
+        }
         _ => None,
     }
 }
 
 /// Returns a hint on which option unfolds a shape, if there is one.
-pub(crate) fn of_unfolding(reason: &Reason) -> Option<String> {
+pub(crate) fn of_unfolding(reason: &UnfoldReason) -> Option<String> {
     match *reason {
-        Reason::AngleDefect { defect, .. } if defect.abs() <= MAX_NOISE_RAD => {
+        UnfoldReason::AngleDefect { defect, .. } if defect.abs() <= MAX_NOISE_RAD => {
             Some(max_defect_for(defect))
         }
-        Reason::AngleDefect { .. } | Reason::RingStaysOpen { .. } => {
+        UnfoldReason::AngleDefect { .. } | UnfoldReason::RingStaysOpen { .. } => {
             Some("`--cut auto` cuts it".into())
         }
         _ => None,
@@ -54,12 +105,16 @@ const MAX_NOISE_RAD: f64 = core::f64::consts::PI / 180.0;
 
 /// Returns the hint that names the least `--max-defect` that takes an error (radians) for noise, to two digits.
 fn max_defect_for(error: f64) -> String {
-    let degrees = error.abs().to_degrees();
-    let unit = 10_f64.powf(degrees.log10().floor() - 1.0);
-    let enough = (degrees / unit).floor() + 1.0;
-    // Written and read again, as `enough * unit` may have many digits.
-    let most: f64 = format!("{:.1e}", enough * unit).parse().unwrap_or(degrees);
+    let most = two_digits_above(error.abs().to_degrees());
     format!("`--max-defect {most}` takes that for noise")
+}
+
+/// Returns the least number of two digits above a positive one.
+fn two_digits_above(number: f64) -> f64 {
+    let unit = 10_f64.powf(number.log10().floor() - 1.0);
+    let enough = (number / unit).floor() + 1.0;
+    // Written and read again, as `enough * unit` may have many digits.
+    format!("{:.1e}", enough * unit).parse().unwrap_or(number)
 }
 
 fn of_file(error: &FileError) -> Option<String> {

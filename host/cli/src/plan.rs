@@ -30,7 +30,16 @@ pub(crate) fn run(args: &args::Plan, quiet: bool) -> Answer {
     })?;
     let json = done.json(&job, Some(start));
     print_notes(quiet, &json.notes);
-    let hints = done.planned.plan.notes.iter().filter_map(hints::of_note);
+    let plan = &done.planned.plan;
+    let of_reason = plan
+        .reason
+        .iter()
+        .filter_map(|reason| hints::of_reason(reason, &job.request));
+    let hints = plan
+        .notes
+        .iter()
+        .filter_map(hints::of_note)
+        .chain(of_reason);
     hints
         .filter(|_| !quiet)
         .for_each(|hint| say(&format!("help: {hint}")));
@@ -102,7 +111,10 @@ impl Job {
                 |path, pattern| Input::of(path)?.named_goal(pattern),
             )
             // A drawing whose creases were left out may have no goal.
-            .inspect_err(|_| print_notes(quiet, file.pattern.repairs()))?;
+            .inspect_err(|_| {
+                print_notes(quiet, file.pattern.repairs());
+                print_notes(quiet, file.pattern.assumptions());
+            })?;
         let read = start.elapsed();
         // The time that is allowed is that of the whole command.
         let planned = task.run(&file, read, progress);

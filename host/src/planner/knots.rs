@@ -6,6 +6,7 @@ use foldpath_core::{Curve, GroupId, Interpolation, Membership};
 
 use super::PlanOptions;
 use crate::certificate::Closure;
+use crate::collision::Place;
 use crate::folding::Rigidity;
 use crate::motion::{Claims, Knot, Motion};
 use crate::pattern::CreasePattern;
@@ -50,6 +51,42 @@ impl KnotSequence {
     pub(super) fn truncate(&mut self, knots: usize) {
         self.knots.truncate(knots);
         self.phases.retain(|&knot| knot < knots);
+    }
+
+    /// Keeps only the motion before a place, with a knot there, at which nothing is measured yet. Returns that knot;
+    /// `None` if a knot is there already.
+    pub(super) fn end_at(&mut self, place: Place) -> Option<&mut Knot> {
+        let end = self.knot_at(place);
+        self.truncate(place.segment + 1);
+        self.knots.push(end?);
+        self.knots.last_mut()
+    }
+
+    /// Returns the configuration at a place between two knots as a knot.
+    fn knot_at(&self, Place { segment, s }: Place) -> Option<Knot> {
+        let (from, to) = (
+            self.knots.get(segment)?.time,
+            self.knots.get(segment + 1)?.time,
+        );
+        let span = to - from;
+        let time = from + s * span;
+        if time <= from {
+            return None;
+        }
+        let nodes: Vec<_> = (self.curves().nth(segment)?.iter())
+            .map(|curve| curve.node(s, span))
+            .collect();
+        Some(Knot {
+            time,
+            angles: nodes.iter().map(|node| node.angle).collect(),
+            rates: nodes.iter().map(|node| node.rate).collect(),
+            weights: if self.interpolation == Interpolation::Homogeneous {
+                nodes.iter().map(|node| node.weight).collect()
+            } else {
+                Vec::new()
+            },
+            ..Knot::default()
+        })
     }
 
     /// Keeps only the segments before the first that breaks the closure condition. Returns `true` if there is one.

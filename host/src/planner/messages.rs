@@ -2,11 +2,15 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use super::reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
+use super::reason::{
+    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+};
 use crate::pattern::EdgeId;
 
 /// Largest number of edges that a sentence names.
 const MAX_NAMED_EDGES: usize = 12;
+/// Largest distance of a goal from where it was asked, radians, with which it counts as not moved.
+const UNMOVED_RAD: f64 = 1e-12;
 
 impl Display for WorstClosure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -117,8 +121,11 @@ impl Display for Reason {
             } => {
                 let why = stop_in_words(*stop, *at_flat);
                 write!(f, "{}: {why}", of_the_goal(*reached))?;
-                match (stop, worst) {
-                    (Stop::Limit(_), _) => write!(f, ": {}", Edges(limited)),
+                match (limited, worst) {
+                    (Some(HingeAtLimit { edges, angle }), _) => {
+                        let degrees = angle.to_degrees();
+                        write!(f, " of {degrees:.1} degrees: {}", Edges(edges))
+                    }
                     (_, Some(worst)) => write!(f, "; going on straight, {worst}"),
                     (_, None) => Ok(()),
                 }
@@ -202,9 +209,11 @@ fn of_the_goal(reached: f64) -> String {
 /// Says why a path stops; `at_flat` tells that it does not even leave flat.
 fn stop_in_words(stop: Stop, at_flat: bool) -> &'static str {
     match stop {
-        Stop::Singular if at_flat => "no motion leaves the flat sheet with these signs",
-        Stop::Singular => "no motion leads on (singular)",
-        Stop::Closure => "no closed configuration follows (closure)",
+        Stop::Singular if at_flat => {
+            "no motion was found that leaves the flat sheet with these signs"
+        }
+        Stop::Singular => "no motion was found that leads on (singular)",
+        Stop::Closure => "no closed configuration was found that follows (closure)",
         Stop::Nearest => "the motion leads no nearer to the goal (closure)",
         Stop::Limit(_) => "a hinge is at its limit",
         Stop::TooLong => "the motion goes on without coming nearer to the goal (closure)",
@@ -251,12 +260,19 @@ impl Display for Note {
                 goal,
                 residual,
                 moved,
-            } => write!(
-                f,
-                "not closed: {goal} (residual {residual:.1e}); moved to the nearest configuration found that is, \
-                 {:.2e} degrees away",
-                moved.to_degrees()
-            ),
+            } => {
+                write!(f, "not closed: {goal} (residual {residual:.1e}); ")?;
+                if *moved <= UNMOVED_RAD {
+                    return f.write_str(
+                        "taken as it is, since the sheet closes there as nearly as its bound allows",
+                    );
+                }
+                write!(
+                    f,
+                    "moved to the nearest configuration found that is, {:.2e} degrees away",
+                    moved.to_degrees()
+                )
+            }
             Self::Deforming => f.write_str(
                 "no exact motion leads to the goal; the sheet is taken there straight, deforming",
             ),
@@ -283,6 +299,36 @@ impl Display for Note {
                 "the sheet would fold if its panels might bend by {:.1} degrees",
                 most.to_degrees()
             ),
+            Self::PartWay(fraction) => write!(
+                f,
+                "the way found leads along the letters to {fraction} of a half turn"
+            ),
+            Self::TurnTogether {
+                faces: [a, b],
+                edges,
+            } => write!(
+                f,
+                "faces {a} and {b} meet as these hinges turn: {}; in another order they may pass",
+                Edges(edges)
+            ),
+            Self::GoalItselfCrosses {
+                faces: [a, b],
+                depth,
+            } => write!(
+                f,
+                "at the goal itself faces {a} and {b} are {depth:.1e} median edges in each other: no order of folds leads \
+                 there"
+            ),
+            Self::TurnedFreely { mountains, valleys } => {
+                f.write_str(
+                    "hinges that have neither goal nor letter turned as the sheet closes first",
+                )?;
+                let sides = [("mountains", mountains), ("valleys", valleys)];
+                for (what, edges) in sides.into_iter().filter(|(_, edges)| !edges.is_empty()) {
+                    write!(f, ", as {what} {}", Edges(edges))?;
+                }
+                f.write_str("; letters choose another way, if there is one")
+            }
             Self::ErrorsAddedUp { closure } => write!(
                 f,
                 "vertices fail to close by up to {closure:.1e}: at worst that adds up to more than the bound; what it \

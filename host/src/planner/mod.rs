@@ -52,7 +52,7 @@
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,
-//! lines < driver)
+//! lines, advice < driver)
 //! ```
 
 mod closing;
@@ -90,5 +90,7 @@ pub use plan::{
     Arrival, Attempt, Certificate, CrossingSearch, Effort, Outcome, Plan, ReducedProblem,
     SheetErrors, Strategy, Times,
 };
-pub use reason::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
+pub use reason::{
+    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+};
 pub use strategies::driver::{plan, plan_watched};

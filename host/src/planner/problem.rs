@@ -51,6 +51,8 @@ pub(super) struct PlanningProblem<'a> {
     pub(super) goes_near: bool,
     /// `true` if the straight way to the goal is the only one that is tried.
     pub(super) goes_straight: bool,
+    /// `true` if a plan is kept only if it reaches its goal: the end of its motion is not looked at then.
+    pub(super) is_trial: bool,
     /// Depth up to which an overlap of faces is contact, median edges.
     pub(super) contact: f64,
     pub(super) watch: Watch<'a>,

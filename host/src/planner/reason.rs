@@ -33,6 +33,15 @@ pub struct WorstClosure {
     pub residual: f64,
 }
 
+/// A hinge at its limit: that of the option, or flat, or half a turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HingeAtLimit {
+    /// Its edge, and those of all hinges that turn as it does.
+    pub edges: Vec<EdgeId>,
+    /// Fold angle of the first edge at the limit, radians.
+    pub angle: f64,
+}
+
 /// Work of the planner during which time ran out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeoutAt {
@@ -105,8 +114,8 @@ pub enum Reason {
         stop: Stop,
         /// `true` if the path does not even leave flat.
         at_flat: bool,
-        /// Edges of the hinge that is at its limit, if one is.
-        limited: Vec<EdgeId>,
+        /// The hinge that is at its limit, if one is.
+        limited: Option<HingeAtLimit>,
         /// Vertex or hole that a small step straight to the goal would tear most.
         worst: Option<WorstClosure>,
     },
@@ -248,6 +257,29 @@ pub enum Note {
     WouldBend(f64),
     /// Faces are in each other by less than this depth at the goal, which the path nearly reaches, in median edges.
     OverlapsAtGoal(f64),
+    /// A path along the letters ends where its creases turn by up to this fraction of a half turn, rounded down.
+    PartWay(f64),
+    /// Faces cross that several hinges move against each other, which might turn one after the other.
+    TurnTogether {
+        /// The two faces.
+        faces: [FaceId; 2],
+        /// Edges of the hinges between them that turn.
+        edges: Vec<EdgeId>,
+    },
+    /// Faces are in each other at the goal, deeper than contact can be.
+    GoalItselfCrosses {
+        /// The two faces.
+        faces: [FaceId; 2],
+        /// Depth of the crossing, in median edges.
+        depth: f64,
+    },
+    /// Hinges turned that have neither a goal nor a letter; another choice of their directions might close as well.
+    TurnedFreely {
+        /// Edges of those that turned as mountains.
+        mountains: Vec<EdgeId>,
+        /// Edges of those that turned as valleys.
+        valleys: Vec<EdgeId>,
+    },
     /// The errors of vertices that do not close are added up as they are, not in the worst case.
     ErrorsAddedUp {
         /// Largest closure residual of a vertex.

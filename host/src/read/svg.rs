@@ -10,19 +10,22 @@
 //! the simulator. Coordinates have the seven digits of single precision, in which usvg resolves shapes; drawing
 //! programs write as many.
 
+mod alpha;
 mod colour;
+mod hidden;
 mod limits;
 mod numbers;
 mod viewport;
 
 use core::f64::consts::PI;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use nalgebra::Vector2;
 use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
+use self::alpha::Codes;
 use self::colour::Kind;
 use self::viewport::{Affine, Viewport};
 use super::curves::{Chords, Curve, STRAIGHT_CREASE};
@@ -52,12 +55,22 @@ pub(super) fn parse_pattern(
     let Drawn {
         tree,
         viewport,
+        codes,
+        hidden,
         mut notes,
     } = check_text(text)
         .and_then(|()| drawn(text))
         .map_err(&wrong)?;
     let (root, place) = viewport.content(tree.root());
-    let strokes = strokes(root, place, options).map_err(&wrong)?;
+    let strokes = strokes(root, place, &codes, options).map_err(&wrong)?;
+    if let Some(hidden) = hidden {
+        if strokes.is_empty() {
+            let expected = "lines that are shown".into();
+            let found = format!("hidden shapes alone: {hidden}");
+            return Err(wrong(("the drawing".into(), expected, found)));
+        }
+        notes.push(format!("hidden shapes left out: {hidden}"));
+    }
     notes.extend(colours_without_lines(&strokes, &options.colours));
     notes.extend(dashes_noted(&strokes, options.dashes));
     let mut colours: BTreeMap<(&str, bool), (Kind, usize)> = BTreeMap::new();
@@ -200,6 +213,10 @@ const UNUSED: &str = "* { fill: none !important; marker: none !important; filter
 struct Drawn {
     tree: Tree,
     viewport: Viewport,
+    /// Colours that stand for colours with alpha.
+    codes: Codes,
+    /// Number of the shapes that are hidden and what hides them, if there are any.
+    hidden: Option<String>,
     /// Notes of the elements that are left out.
     notes: Vec<String>,
 }
@@ -207,13 +224,7 @@ struct Drawn {
 /// Resolves styles, transforms and shapes.
 fn drawn(text: &str) -> Result<Drawn, Wrong> {
     let no_drawing = |place: String, found: String| (place, "an SVG drawing".into(), found);
-    let options = roxmltree::ParsingOptions {
-        // Illustrator writes a DTD.
-        allow_dtd: true,
-        nodes_limit: MAX_NODES,
-        ..Default::default()
-    };
-    let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+    let document = roxmltree::Document::parse_with_options(text, parsing()).map_err(|error| {
         let place = format!("line {}, column {}", error.pos().row, error.pos().col);
         no_drawing(place, format!("no XML ({error})"))
     })?;
@@ -227,17 +238,26 @@ fn drawn(text: &str) -> Result<Drawn, Wrong> {
     }
     numbers::check(&document)?;
     limits::of_document(&document).map_err(|found| no_drawing(place(root), found))?;
-    let options = Options {
-        // No other file is opened.
-        image_href_resolver: ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
-        },
-        style_sheet: Some(UNUSED.into()),
-        ..Default::default()
+    let resolved = |document: &roxmltree::Document<'_>, style: &str| {
+        let tree = Tree::from_xmltree(document, &resolving(style));
+        tree.map_err(|error| no_drawing(place(root), error.to_string()))
     };
-    let tree = Tree::from_xmltree(&document, &options);
-    let tree = tree.map_err(|error| no_drawing(place(root), error.to_string()))?;
+    let mut tree = resolved(&document, UNUSED)?;
+    let mut hidden = None;
+    if hidden::may_hide(text) {
+        let all = resolved(&document, &format!("{UNUSED} {}", hidden::SHOWN))?;
+        let [all, shown] = [&all, &tree].map(|tree| hidden::stroked_shapes(tree.root()));
+        hidden = (all > shown).then(|| hidden::in_words(&document, all - shown));
+    }
+    let mut codes = Codes::default();
+    if alpha::has_alpha(text) {
+        let (encoded, found) = alpha::encoded(text, &colours(tree.root()));
+        let document = roxmltree::Document::parse_with_options(&encoded, parsing());
+        if let Ok(document) = document {
+            tree = resolved(&document, UNUSED)?;
+            codes = found;
+        }
+    }
     let count = |names: [&str; 3]| {
         let elements = document.descendants();
         elements
@@ -259,8 +279,52 @@ fn drawn(text: &str) -> Result<Drawn, Wrong> {
     Ok(Drawn {
         viewport: Viewport::of(root, tree.size()),
         tree,
+        codes,
+        hidden,
         notes: notes.collect(),
     })
+}
+
+fn parsing<'a>() -> roxmltree::ParsingOptions<'a> {
+    roxmltree::ParsingOptions {
+        // Illustrator writes a DTD.
+        allow_dtd: true,
+        nodes_limit: MAX_NODES,
+        ..Default::default()
+    }
+}
+
+/// Returns options of usvg with a style sheet.
+fn resolving<'a>(style: &str) -> Options<'a> {
+    Options {
+        // No other file is opened.
+        image_href_resolver: ImageHrefResolver {
+            resolve_data: Box::new(|_, _, _| None),
+            resolve_string: Box::new(|_, _| None),
+        },
+        style_sheet: Some(style.into()),
+        ..Default::default()
+    }
+}
+
+/// Returns the colours of all strokes.
+fn colours(root: &Group) -> HashSet<[u8; 3]> {
+    let (mut colours, mut open) = (HashSet::new(), vec![root]);
+    while let Some(group) = open.pop() {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => open.push(group),
+                Node::Path(path) => {
+                    let paint = path.stroke().map(usvg::Stroke::paint);
+                    if let Some(Paint::Color(c)) = paint {
+                        colours.insert([c.red, c.green, c.blue]);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    colours
 }
 
 /// The lines of one stroked path.
@@ -296,7 +360,12 @@ struct Lines {
 
 /// Returns all strokes in the order in which they are painted. `place` takes the coordinates of the root's children to those
 /// of the sheet, y pointing down.
-fn strokes(root: &Group, place: Affine, options: &ReadOptions) -> Result<Vec<Stroke>, Wrong> {
+fn strokes(
+    root: &Group,
+    place: Affine,
+    codes: &Codes,
+    options: &ReadOptions,
+) -> Result<Vec<Stroke>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
     let mut open: Vec<(&Node, f64, Affine)> = Vec::new();
@@ -315,12 +384,12 @@ fn strokes(root: &Group, place: Affine, options: &ReadOptions) -> Result<Vec<Str
                     continue;
                 };
                 number += 1;
-                let (kind, colour) = match stroke.paint() {
-                    Paint::Color(c) => (
-                        Kind::of([c.red, c.green, c.blue], &options.colours),
-                        hex([c.red, c.green, c.blue]),
-                    ),
-                    _ => (Kind::Unknown, "gradient or pattern".into()),
+                let (kind, colour, alpha) = match stroke.paint() {
+                    Paint::Color(c) => {
+                        let (colour, alpha) = codes.decode([c.red, c.green, c.blue]);
+                        (Kind::of(colour, &options.colours), hex(colour), alpha)
+                    }
+                    _ => (Kind::Unknown, "gradient or pattern".into(), 1.0),
                 };
                 let dashed = stroke.dasharray().is_some();
                 let of_dashes = options.dashes.filter(|_| dashed).map(Kind::Dashed);
@@ -348,7 +417,7 @@ fn strokes(root: &Group, place: Affine, options: &ReadOptions) -> Result<Vec<Str
                 strokes.push(Stroke {
                     kind,
                     colour,
-                    opacity: opacity * decimal(stroke.opacity().get()),
+                    opacity: opacity * alpha * decimal(stroke.opacity().get()),
                     dashed,
                     lines,
                 });

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::generate::ParameterError;
+use crate::pattern::LostLines;
 use crate::planner::{GoalError, OptionsError};
 
 /// A request that cannot be met.
@@ -31,16 +32,23 @@ pub enum RequestError {
     #[error("unexpected option {0}")]
     NoOption(String),
     /// The pattern has no such goal.
-    #[error("{file}: {source}")]
+    #[error("{file}: {source}{}", after(lost.as_ref()))]
     Goal {
         /// The file with the pattern.
         file: String,
         /// The reason.
         source: GoalError,
+        /// Lines of the drawing that were left out, which may be the reason.
+        lost: Option<LostLines>,
     },
     /// Anything else.
     #[error("{0}")]
     Usage(String),
+}
+
+/// Returns a sentence about lines that were left out, to follow another.
+fn after(lost: Option<&LostLines>) -> String {
+    lost.map_or_else(String::new, |lost| format!("; {lost}"))
 }
 
 impl RequestError {

@@ -77,6 +77,7 @@ impl PlanRequest {
             GoalError::Fraction(_) => RequestError::option("fold", source.to_string()),
             _ => RequestError::Goal {
                 file: name.display().to_string(),
+                lost: (pattern.lost_lines().copied()).filter(|_| source == GoalError::NoDirection),
                 source,
             },
         };

@@ -4,7 +4,9 @@ use foldpath::check::{Failure, GroupQuantity, Moment, RateLimit, SheetError};
 use foldpath::collision::Crossing;
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
-use foldpath::planner::{GroupsDropped, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure};
+use foldpath::planner::{
+    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+};
 use foldpath_core::GroupId;
 
 const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
@@ -26,7 +28,7 @@ fn stops(stop: Stop) -> Reason {
         reached: 0.4567,
         stop,
         at_flat: false,
-        limited: Vec::new(),
+        limited: None,
         worst: None,
     }
 }
@@ -91,11 +93,11 @@ fn reasons_are_sentences() {
                 reached: 0.4567,
                 stop: Stop::Closure,
                 at_flat: false,
-                limited: Vec::new(),
+                limited: None,
                 worst: worst(ClosureSite::Hole(VertexId(7))),
             },
-            "as far as 45.7 % of the goal's angles: no closed configuration follows (closure); going on straight, the \
-             hole at vertex 7 (creases: edges 0, 1, 2) does not close: residual 1.2e-2"
+            "as far as 45.7 % of the goal's angles: no closed configuration was found that follows (closure); going on \
+             straight, the hole at vertex 7 (creases: edges 0, 1, 2) does not close: residual 1.2e-2"
                 .into(),
         ),
         (
@@ -103,26 +105,29 @@ fn reasons_are_sentences() {
                 reached: 0.0,
                 stop: Stop::Singular,
                 at_flat: true,
-                limited: Vec::new(),
+                limited: None,
                 worst: None,
             },
-            "as far as 0.0 % of the goal's angles: no motion leaves the flat sheet with these signs".into(),
+            "as far as 0.0 % of the goal's angles: no motion was found that leaves the flat sheet with these signs".into(),
         ),
         (
             Reason::PathStops {
                 reached: 0.4567,
                 stop: Stop::Limit(2),
                 at_flat: false,
-                limited: edges(14),
+                limited: Some(HingeAtLimit {
+                    edges: edges(14),
+                    angle: 0.5,
+                }),
                 worst: None,
             },
-            "as far as 45.7 % of the goal's angles: a hinge is at its limit: edges 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 \
-             and 2 more"
+            "as far as 45.7 % of the goal's angles: a hinge is at its limit of 28.6 degrees: edges 0, 1, 2, 3, 4, 5, 6, \
+             7, 8, 9, 10, 11 and 2 more"
                 .into(),
         ),
         (
             stops(Stop::Singular),
-            "as far as 45.7 % of the goal's angles: no motion leads on (singular)".into(),
+            "as far as 45.7 % of the goal's angles: no motion was found that leads on (singular)".into(),
         ),
         (
             stops(Stop::Nearest),
@@ -292,6 +297,45 @@ fn notes_are_sentences() {
             },
             "not closed: the letters (residual 1.0e-5); moved to the nearest configuration found that is, 5.73e-1 \
              degrees away",
+        ),
+        (
+            Note::GoalMoved {
+                goal: "the letters".into(),
+                residual: 1e-5,
+                moved: 0.0,
+            },
+            "not closed: the letters (residual 1.0e-5); taken as it is, since the sheet closes there as nearly as its \
+             bound allows",
+        ),
+        (
+            Note::OverlapsAtGoal(1e-5),
+            "at the goal faces are in each other by less than 1.0e-5 median edges",
+        ),
+        (
+            Note::PartWay(0.608),
+            "the way found leads along the letters to 0.608 of a half turn",
+        ),
+        (
+            Note::TurnTogether {
+                faces: FACES,
+                edges: edges(2),
+            },
+            "faces 3 and 8 meet as these hinges turn: edges 0, 1; in another order they may pass",
+        ),
+        (
+            Note::GoalItselfCrosses {
+                faces: FACES,
+                depth: 0.42,
+            },
+            "at the goal itself faces 3 and 8 are 4.2e-1 median edges in each other: no order of folds leads there",
+        ),
+        (
+            Note::TurnedFreely {
+                mountains: edges(1),
+                valleys: edges(2),
+            },
+            "hinges that have neither goal nor letter turned as the sheet closes first, as mountains edges 0, as valleys \
+             edges 0, 1; letters choose another way, if there is one",
         ),
         (
             Note::Deforming,

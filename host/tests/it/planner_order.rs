@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 48] = [
+const ORDER: [&str; 49] = [
     "vectors",
     "goal",
     "knots",
@@ -52,6 +52,7 @@ const ORDER: [&str; 48] = [
     "strategies/way_round",
     "strategies/bending",
     "strategies/lines",
+    "strategies/advice",
     "strategies/driver",
 ];
 

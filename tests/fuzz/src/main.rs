@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use foldpath::read::{FileError, fold, parse_pattern, parse_shape};
 use foldpath::pattern::CreasePattern;
+use foldpath::stream::StreamPath;
 use foldpath::unfold::{UnfoldOptions, unfold};
 use libfuzzer_sys::fuzz_target;
 
@@ -15,7 +16,7 @@ type Reader = fn(&[u8]);
 static READER: LazyLock<Reader> = LazyLock::new(|| {
     let name = std::env::var("READER").unwrap_or_default();
     match name.as_str() {
-        "fold" => |bytes| drop(said(fold::parse_pattern(Path::new("a.fold"), bytes))),
+        "fold" => |bytes| drop(said(parse_pattern(Path::new("a.fold"), bytes))),
         "goal" => |bytes| drop(said(fold::parse_goal(Path::new("a.fold"), bytes, &SHEET))),
         "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
@@ -26,6 +27,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
             unfolded("a.obj", bytes);
         },
         "stl" => |bytes| unfolded("a.stl", bytes),
+        "traj" => |bytes| drop(said(StreamPath::read(bytes, Path::new("a.traj")))),
         "shape" => |bytes| unfolded("a.fold", bytes),
         _ => panic!("READER names none: {name}"),
     }
@@ -34,7 +36,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
 /// The sheet for which goals are read.
 static SHEET: LazyLock<CreasePattern> = LazyLock::new(|| {
     let text = include_bytes!("../seeds/fold/square.fold");
-    let file = fold::parse_pattern(Path::new("square.fold"), text);
+    let file = parse_pattern(Path::new("square.fold"), text);
     file.expect("a pattern").pattern
 });
 

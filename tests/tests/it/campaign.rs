@@ -56,6 +56,24 @@ fn a_campaign_finds_no_wrong_path() {
     }
 }
 
+/// A plan that runs out of time, at whatever stage, is judged like any other.
+#[test]
+fn plans_that_run_out_of_time_are_judged() {
+    let mut late = 0;
+    for family in Family::ALL.iter().filter(|family| family.real) {
+        for milliseconds in [0, 1, 2, 4, 8, 16, 32, 64, 128] {
+            let options = PlanOptions::default()
+                .with(|it| it.timeout = Some(Duration::from_millis(milliseconds)));
+            let tally = run(*family, 9, 1, &options);
+            assert_eq!(tally.panics, [], "{} {milliseconds}", family.name);
+            assert_eq!(tally.disagreements, [], "{} {milliseconds}", family.name);
+            let names = tally.others.keys();
+            late += names.filter(|name| name.starts_with("timeout")).count();
+        }
+    }
+    assert!(late > 4, "{late}");
+}
+
 /// Stars whose conditions depend on each other. The residual that the linear model predicts for a step may then say little
 /// of the true residual. Found by the campaign.
 #[test]

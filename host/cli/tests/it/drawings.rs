@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::common::folder;
 use foldpath::pattern::{CreasePattern, Letter};
 use foldpath::read::read_pattern;
-use foldpath_test_support::numbers;
+use foldpath_test_support::{Random, numbers};
 use serde_json::{Value, json};
 
 /// Returns an SVG drawing of 10 by 10 with these elements.
@@ -186,7 +186,7 @@ fn svg_in_other_words_is_the_same_drawing() {
                  <g display=\"none\"><path d=\"M0 1h4\" stroke=\"red\"/></g>\
                  <path d=\"M0 1h4\" stroke=\"red\" stroke-width=\"0\"/>"
             ),
-            vec![left_out, clipped],
+            vec![left_out, clipped, "hidden shapes left out: 1"],
         ),
         // Arrows that mark the ends of a line and are no lines of the sheet.
         (
@@ -286,11 +286,108 @@ fn opacity_is_the_goal_angle() {
 }
 
 #[test]
-fn fills_and_hidden_shapes_say_nothing() {
+fn fills_say_nothing_and_hidden_shapes_are_told() {
     let shapes = "stroke=\"red\"/>\n<circle r=\"3\" fill=\"blue\"/>\n\
          <line x1=\"0\" y1=\"2\" x2=\"4\" y2=\"2\" stroke=\"blue\" display=\"none\"/>\n\
          <line x1=\"0\" y1=\"3\" x2=\"4\" y2=\"3\" stroke=\"blue\" visibility=\"hidden\"";
-    assert_eq!(counts(&read("fills.svg", &creased(shapes))), [6, 7, 2]);
+    let pattern = read("fills.svg", &creased(shapes));
+    assert_eq!(counts(&pattern), [6, 7, 2]);
+    assert_eq!(pattern.assumptions(), ["hidden shapes left out: 2"]);
+}
+
+/// Layers are hidden in all the ways that SVG has; the elements that hide them are named.
+#[test]
+fn hidden_layers_are_told_by_name() {
+    let layer = |hides: &str| {
+        format!(
+            "stroke=\"red\"/>\n<g id=\"folds\" {hides}><line x1=\"0\" y1=\"3\" x2=\"4\" y2=\"3\" \
+             stroke=\"blue\"/></g>\n<style>.gone {{ display: none }}</style><line y2=\"0\" stroke=\"none\""
+        )
+    };
+    for (hides, told) in [
+        ("display=\"none\"", "hidden shapes left out: 1, in folds"),
+        (
+            "style=\"display : none\"",
+            "hidden shapes left out: 1, in folds",
+        ),
+        (
+            "visibility=\"hidden\"",
+            "hidden shapes left out: 1, in folds",
+        ),
+        ("class=\"gone\"", "hidden shapes left out: 1"),
+    ] {
+        let pattern = read("hidden.svg", &creased(&layer(hides)));
+        assert_eq!(counts(&pattern), [6, 7, 2], "{hides}");
+        assert_eq!(pattern.assumptions(), [told], "{hides}");
+    }
+    let shown = read("shown.svg", &creased(&layer("")));
+    assert!(shown.assumptions().is_empty());
+}
+
+/// A cut that ends inside a panel parts nothing: it is told, and is no line that ends in the open. A border that does not
+/// meet its corner is one.
+#[test]
+fn slits_inside_a_panel_are_told() {
+    let slit = "cuts that end inside a panel, and part nothing, left out:";
+    let slits = [
+        (
+            "slit.svg",
+            creased("stroke=\"red\"/><line x1=\"3\" y1=\"1\" x2=\"3\" y2=\"3\" stroke=\"#0f0\""),
+            1,
+        ),
+        (
+            "bent.svg",
+            creased("stroke=\"red\"/><path d=\"M3 1v2h0.5\" stroke=\"#000\""),
+            2,
+        ),
+        (
+            "notch.svg",
+            creased("stroke=\"red\"/><path d=\"M4 2h-1\" stroke=\"#0f0\""),
+            1,
+        ),
+        ("slit.cp", cp("2 2 0 2 4\n1 3 1 3 3\n"), 1),
+    ];
+    for (name, text, count) in slits {
+        let pattern = read(name, &text);
+        let repairs = pattern.repairs();
+        let told = format!("{slit} {count}, ");
+        assert!(
+            repairs.iter().any(|repair| repair.starts_with(&told)),
+            "{name}: {repairs:?}"
+        );
+        assert!(pattern.lost_lines().is_none(), "{name}");
+    }
+    let crease = read("crease.cp", &cp("2 2 0 2 4\n3 3 1 3 3\n"));
+    assert_eq!(crease.lost_lines().map(|lost| lost.count), Some(1));
+    let border = read("border.cp", &cp("2 2 0 2 4\n1 4 2 3 2\n"));
+    assert_eq!(border.lost_lines().map(|lost| lost.count), Some(1));
+}
+
+/// The alpha of a colour is the goal angle with all its digits, in all the ways that CSS writes it.
+#[test]
+fn alpha_counts_as_it_is_written() {
+    let mut rng = Random::new(81);
+    for _ in 0..60 {
+        let alpha = (rng.uniform(0.01, 0.99) * 1e4).round() / 1e4;
+        for (colour, goal) in [
+            (format!("stroke=\"rgba(255,0,0,{alpha})\""), -alpha),
+            (
+                format!("style=\"stroke: rgba( 100%, 0%, 0%, {alpha} )\""),
+                -alpha,
+            ),
+            (format!("stroke=\"RGB(0 0 255 / {alpha})\""), alpha),
+            (
+                format!("stroke=\"hsla(240, 100%, 50%, {alpha})\" stroke-opacity=\"0.5\""),
+                alpha / 2.0,
+            ),
+        ] {
+            let pattern = read("alpha.svg", &creased(&colour));
+            let [(_, Some(angle))] = inner(&pattern)[..] else {
+                panic!("{colour}");
+            };
+            assert!((angle / 180.0 - goal).abs() < 1e-9, "{colour}: {angle}");
+        }
+    }
 }
 
 /// CP files as other programs write them: with comments, empty lines, line ends of two bytes, exponents, commas in

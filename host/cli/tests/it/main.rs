@@ -18,6 +18,7 @@ mod help;
 mod hostile;
 mod jobs;
 mod keys;
+mod noes;
 mod odd_files;
 mod options;
 mod outlook;

@@ -7,6 +7,7 @@ use super::certificate::Lock;
 use super::flat_cone::{bend, direction_errors, held_at};
 use crate::pattern::{ClosureSite, CreasePattern, EdgeId, FlatFlaw, VertexId};
 use crate::planner::{Goal, GoalKind};
+use crate::util::nan_max::bounding_box;
 
 /// Largest number of vertices or edges that a sentence names.
 const MAX_NAMED: usize = 5;
@@ -26,6 +27,8 @@ pub struct Cause {
     pub edges: Vec<EdgeId>,
     /// The place of the first vertex in the coordinates of the drawing.
     pub at: [f64; 2],
+    /// Number of decimals of that place that tell apart vertices of the drawing.
+    pub(super) decimals: usize,
 }
 
 /// Kind of a [`Cause`].
@@ -75,7 +78,10 @@ impl CauseKind {
 
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y] = self.at.map(six_digits);
+        let decimals = self.decimals;
+        let [x, y] = self
+            .at
+            .map(|at| format!("{at:.decimals$}").parse().unwrap_or(at) + 0.0);
         let vertex = self.vertices.first().copied().unwrap_or_default();
         write!(f, "vertex {vertex} at ({x}, {y}): ")?;
         let edges = named("edge", &self.edges);
@@ -130,6 +136,19 @@ impl fmt::Display for Cause {
             ),
         }
     }
+}
+
+/// Returns the number of decimals with which a coordinate has six digits of the size of the sheet, wherever the sheet lies.
+pub(super) fn decimals(pattern: &CreasePattern) -> usize {
+    let (low, high) = bounding_box(pattern.vertices().iter().copied()).unwrap_or_default();
+    let digits = 5.0 - (high - low).amax().max(f64::MIN_POSITIVE).log10().floor();
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 to 300"
+    )]
+    let decimals = digits.clamp(0.0, 300.0) as usize;
+    decimals
 }
 
 /// Returns the number with six significant digits.
@@ -206,6 +225,7 @@ pub(super) fn at_vertices(
             vertices: vec![vertex],
             edges: edges.collect(),
             at: pattern.drawn_place(vertex),
+            decimals: decimals(pattern),
         });
     }
     if goal.is_some_and(is_folded_flat) {
@@ -220,6 +240,7 @@ pub(super) fn at_vertices(
             vertices: vec![vertex],
             edges: Vec::new(),
             at: pattern.drawn_place(vertex),
+            decimals: decimals(pattern),
         }));
     }
     causes
@@ -235,6 +256,7 @@ pub(super) fn of_lock(pattern: &CreasePattern, lock: &Lock, kind: CauseKind) -> 
     Cause {
         kind,
         at: pattern.drawn_place(vertices.first().copied().unwrap_or_default()),
+        decimals: decimals(pattern),
         edges: edges.collect(),
         vertices,
     }

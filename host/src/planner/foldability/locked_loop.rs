@@ -10,7 +10,7 @@ use std::collections::{HashSet, VecDeque};
 
 use nalgebra::{Matrix3, Rotation3};
 
-use super::cause::{Cause, CauseKind};
+use super::cause::{Cause, CauseKind, decimals};
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 
 /// Largest angle by which sectors of a vertex that folds flat may be off, radians.
@@ -110,6 +110,7 @@ fn propagate(
     Some(Cause {
         kind: CauseKind::LockedLoop(product),
         at: pattern.drawn_place(tie.vertex),
+        decimals: decimals(pattern),
         edges: reached
             .into_iter()
             .map(|crease| pattern.creases()[crease])

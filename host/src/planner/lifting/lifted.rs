@@ -2,7 +2,6 @@
 
 use foldpath_core::Interpolation;
 
-use crate::collision::Crossing;
 use crate::motion::Knot;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::knots::KnotSequence;
@@ -70,20 +69,6 @@ impl Lifted {
             self.knots = unmeasured(waypoints, max_speed);
         }
         self.end_late(at);
-    }
-
-    /// Ends the motion before a knot at which faces cross.
-    pub(crate) fn end_before_knot(&mut self, crossing: Crossing, knot: usize) {
-        let knots = &self.knots.knots;
-        let last = knots.last().map_or(1.0, |last| last.time);
-        let before = knot.checked_sub(1).map_or(0.0, |before| knots[before].time);
-        self.reached *= before / last;
-        self.knots.truncate(knot);
-        let faces = crossing.faces;
-        self.end(
-            Outcome::Crossing(crossing),
-            Reason::CrossesAtKnot { faces, knot },
-        );
     }
 
     /// Ends a motion that leads as far as another one is proved there, if that one is not proved beyond.

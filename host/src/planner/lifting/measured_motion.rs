@@ -19,31 +19,25 @@ const TIME_PER_FACE: Duration = Duration::from_nanos(500);
 /// Points of each segment at which the sheet is folded from its rim, as fractions of the segment.
 const RIM_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// Returns the reason why a sheet breaks the bound at its knots, or is not proved to keep the bound between them, and the
-/// fraction of its motion that keeps the bound.
+/// Returns the reason why a sheet breaks the bound at its knots, with the number of the last knot before, or why it is not
+/// proved to keep the bound between them.
 pub(crate) fn torn(
     bound: f64,
     knots: &[Knot],
     found: &SheetErrors,
     certificate: Option<Certificate>,
-) -> Option<(Reason, f64)> {
+) -> Option<(Reason, Option<usize>)> {
     let (whole, closure) = (found.rigidity, found.closure);
     let within = |errors: [f64; 3]| errors.iter().all(|error| *error <= bound);
     if within([whole.deformation, whole.gap, closure]) {
         let certified = certificate?.over(bound)?;
-        return Some((Reason::NotCertified { certified, bound }, 0.0));
+        return Some((Reason::NotCertified { certified, bound }, None));
     }
     let holds = |knot: &&Knot| {
         let errors = errors(knot);
         within([errors.deformation, errors.gap, errors.twist])
     };
-    let good = knots.iter().take_while(holds).last();
-    let [good, last] = [good, knots.last()].map(|knot| knot.map(|knot| knot.time));
-    let kept = match (good, last) {
-        (Some(good), Some(last)) if last > 0.0 => good / last,
-        (Some(_), Some(_)) => 0.0,
-        _ => 1.0,
-    };
+    let good = knots.iter().take_while(holds).count();
     let essential = found.essential_rigidity;
     let reason = Reason::Deforms {
         whole,
@@ -51,7 +45,7 @@ pub(crate) fn torn(
         essential,
         bound,
     };
-    Some((reason, kept))
+    Some((reason, Some(good.saturating_sub(1))))
 }
 
 impl Lifting<'_> {
@@ -72,10 +66,7 @@ impl Lifting<'_> {
                 return None;
             }
             let mut knot = knot.clone();
-            knot.claims = claims(judge.errors_at(&knot.angles));
-            if problem.options.keep_vertices {
-                knot.vertices = judge.vertices().to_vec();
-            }
+            self.measure_knot(judge, &mut knot);
             problem
                 .watch
                 .done(1 + done.fetch_add(1, Ordering::Relaxed), count);
@@ -95,6 +86,14 @@ impl Lifting<'_> {
             essential_rigidity,
             essential_faces,
         })
+    }
+
+    /// Folds the sheet at a knot, and stores its errors there.
+    pub(crate) fn measure_knot(&self, judge: &mut Judge<'_>, knot: &mut Knot) {
+        knot.claims = claims(judge.errors_at(&knot.angles));
+        if self.problem.options.keep_vertices {
+            knot.vertices = judge.vertices().to_vec();
+        }
     }
 
     /// Returns the reason why a sheet breaks the bound when it is folded from its rim. From there, errors of vertices

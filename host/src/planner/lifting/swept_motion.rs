@@ -54,26 +54,36 @@ pub(crate) enum Swept {
 /// Crossing before which a path has to end.
 pub(crate) struct Crossed {
     pub(crate) crossing: Crossing,
-    /// Number of the segment in which the path ends.
-    pub(crate) segment: usize,
-    /// Last group angles free of crossings, if there are any.
-    pub(crate) free: Option<Vec<f64>>,
+    /// Last place free of crossings, if there is one.
+    pub(crate) free: Option<Place>,
     /// Group angles at which the path may end instead, if it may end earlier, to be tried one after the other.
     pub(crate) earlier: Vec<Vec<f64>>,
     /// `true` if the sheet crosses at a knot, although the search over the motion found nothing.
     pub(crate) is_at_knot: bool,
 }
 
-/// Returns the group angles at a place of a motion or, if `room` (radians) is above 0, as much before it as the fastest
-/// hinge turns by `room`, at most to the start of the segment.
-fn angles_before(knots: &KnotSequence, place: Place, room: f64) -> Vec<f64> {
-    let curves = knots.curves().nth(place.segment).unwrap_or_default();
+/// Returns the place as much before another one as the fastest hinge turns by `room` (radians), at most at the start of the
+/// segment; `None` after the last segment.
+pub(crate) fn place_before(knots: &KnotSequence, place: Place, room: f64) -> Option<Place> {
+    let curves = knots.curves().nth(place.segment)?;
     let rates = curves
         .iter()
         .map(|curve| curve.derivatives(place.s)[0].abs());
     let fastest = rates.fold(f64::MIN_POSITIVE, f64::max);
-    let s = (place.s - room / fastest).max(0.0);
-    curves.iter().map(|curve| curve.angle(s)).collect()
+    Some(Place {
+        s: (place.s - room / fastest).max(0.0),
+        ..place
+    })
+}
+
+/// Returns the group angles as much before a place of a motion as the fastest hinge turns by `room` (radians), at most at
+/// the start of the segment.
+pub(crate) fn angles_before(knots: &KnotSequence, place: Place, room: f64) -> Option<Vec<f64>> {
+    let Some(Place { segment, s }) = place_before(knots, place, room) else {
+        return Some(knots.knots.get(place.segment)?.angles.clone());
+    };
+    let curves = knots.curves().nth(segment)?;
+    Some(curves.iter().map(|curve| curve.angle(s)).collect())
 }
 
 impl<'a> Lifting<'a> {
@@ -175,11 +185,10 @@ impl<'a> Lifting<'a> {
             Recourse::EndEarlier => &ROOMS_RAD,
             _ => &[],
         };
-        let before = |room| Some(angles_before(&lifted.knots, last_free?, room));
+        let before = |room| angles_before(&lifted.knots, last_free?, room);
         Crossed {
             crossing,
-            segment: last_free.map_or(0, |place| place.segment),
-            free: before(0.0),
+            free: last_free,
             earlier: rooms.iter().filter_map(|&room| before(room)).collect(),
             is_at_knot: false,
         }
@@ -210,15 +219,14 @@ impl<'a> Lifting<'a> {
         let alike = lifted.errors.closure <= CLOSED;
         let (index, crossing) = judge.first_crossing(&lifted.knots.knots, alike)?;
         let before = index.checked_sub(1);
-        let free = before.map(|before| lifted.knots.knots[before].angles.clone());
-        let earlier = free
-            .iter()
-            .filter(|_| lifted.recourse == Recourse::EndEarlier);
+        let earlier = before.filter(|_| lifted.recourse == Recourse::EndEarlier);
         Some(Crossed {
             crossing,
-            segment: before.unwrap_or(0),
-            earlier: earlier.cloned().collect(),
-            free,
+            free: before.map(|segment| Place { segment, s: 0.0 }),
+            earlier: earlier
+                .map(|before| lifted.knots.knots[before].angles.clone())
+                .into_iter()
+                .collect(),
             is_at_knot: true,
         })
     }

@@ -5,18 +5,26 @@
 use super::certified_motion::Lifting;
 use super::lifted::{Lifted, Recourse};
 use super::measured_motion::torn;
-use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept};
-use crate::collision::Crossing;
+use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept, angles_before, place_before};
+use crate::collision::{Crossing, Place};
+use crate::planner::following::judge::Judge;
+use crate::planner::knots::{KnotSequence, errors};
 use crate::planner::plan::Outcome;
+use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
 use crate::util::clock::Instant;
+use crate::util::nan_max::larger;
 
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
 const NEARER_FACTOR: f64 = 0.01;
 /// Largest distance before an inexact goal at which a path may stop so that nothing crosses, radians.
 const MAX_RETREAT_RAD: f64 = 0.02;
+/// Depth of contact at the end of a motion that ends before a crossing, as a fraction of that which is allowed.
+const CLEAR_CONTACT_RATIO: f64 = 0.5;
+/// Distances from the place of a crossing at which such a motion may end, radians, tried one after the other.
+const CLEAR_ROOMS_RAD: [f64; 5] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3];
 
 /// Lifts a path to the whole sheet and judges it there. The motion between knots is certified for `bound_fraction` of
 /// the bound at first.
@@ -124,9 +132,14 @@ impl Lifting<'_> {
                 lifted.errors = errors;
                 let (bound, knots) = (self.problem.options.bound, &lifted.knots);
                 let torn = torn(bound, &knots.knots, &errors, lifted.certificate)
-                    .or_else(|| Some((self.torn_from_rim(knots, errors.closure)?, 0.0)));
-                if let Some((reason, kept)) = torn {
-                    lifted.reached *= kept;
+                    .or_else(|| Some((self.torn_from_rim(knots, errors.closure)?, None)));
+                if let Some((reason, good)) = torn {
+                    match good {
+                        Some(segment) => {
+                            self.end_at(lifted, Some(Place { segment, s: 0.0 }));
+                        }
+                        None => lifted.reached = 0.0,
+                    }
                     lifted.end(Outcome::NotRigidlyFoldable, reason);
                 }
             }
@@ -166,12 +179,18 @@ impl Lifting<'_> {
             Swept::Free(clearance) => lifted.crossings.clearance = clearance,
             Swept::Undecided(question) => lifted.undecided.push(question),
             Swept::Late(at) => lifted.end_late(at),
-            Swept::CrossesAtKnot(crossing, knot) => lifted.end_before_knot(crossing, knot),
+            Swept::CrossesAtKnot(crossing, knot) => {
+                let before = knot.checked_sub(1);
+                self.end_at(&mut lifted, before.map(|segment| Place { segment, s: 0.0 }));
+                let faces = crossing.faces;
+                lifted.end(
+                    Outcome::Crossing(crossing),
+                    Reason::CrossesAtKnot { faces, knot },
+                );
+            }
             Swept::Crosses(crossed) | Swept::TooFar(Some(crossed)) => {
-                let free = crossed.free.as_deref();
-                lifted.reached = self.reached * free.map_or(0.0, |free| self.path.fraction(free));
-                lifted.knots.truncate(crossed.segment + 1);
-                let reason = self.crosses(&crossed, free);
+                let fraction = self.end_at(&mut lifted, crossed.free);
+                let reason = self.crosses(&crossed, fraction);
                 lifted.end(Outcome::Crossing(crossed.crossing), reason);
                 before = Some(crossed);
             }
@@ -183,14 +202,56 @@ impl Lifting<'_> {
         (lifted, before)
     }
 
-    /// Returns the reason of a path that ends at the group angles `free`, before a crossing.
-    fn crosses(&self, crossed: &Crossed, free: Option<&[f64]>) -> Reason {
+    /// Ends a motion at the last place free of crossings, or a little before, with a knot there; or else at its first knot.
+    /// Returns the fraction of the path before that place.
+    fn end_at(&self, lifted: &mut Lifted, place: Option<Place>) -> f64 {
+        let place = place.unwrap_or(Place { segment: 0, s: 0.0 });
+        let there = angles_before(&lifted.knots, place, 0.0);
+        let fraction = self.path.fraction(there.as_deref().unwrap_or_default());
+        let (problem, knots) = (self.problem, &mut lifted.knots);
+        if problem.is_trial {
+            knots.end_at(place);
+        } else if let Some(end) = knots.end_at(self.clear(knots, place)) {
+            let mut judge = Judge::new(problem, self.reduction, false);
+            self.measure_knot(&mut judge, end);
+            // Between knots a sheet closes less well than at them.
+            let here = errors(end);
+            lifted.errors.rigidity = lifted.errors.rigidity.worse(here);
+            lifted.errors.closure = larger(lifted.errors.closure, here.twist);
+        }
+        lifted.reached = self.reached * fraction;
+        lifted.goal_error = Some(self.reduction.distance(lifted.knots.end(), problem.goal));
+        fraction
+    }
+
+    /// Returns a place a little before one at which faces touch as deep as contact may be, where they do not yet: to read
+    /// the motion from a file rounds it. Returns the place itself if they touch as deep all along.
+    fn clear(&self, knots: &KnotSequence, touching: Place) -> Place {
+        if touching.s <= 0.0 {
+            return touching;
+        }
+        let problem = PlanningProblem {
+            contact: self.problem.contact * CLEAR_CONTACT_RATIO,
+            ..*self.problem
+        };
+        let mut judge = Judge::new(&problem, self.reduction, true);
+        let before = |&room: &f64| place_before(knots, touching, room);
+        let mut places = CLEAR_ROOMS_RAD.iter().filter_map(before);
+        let clear = places.find(|&place| {
+            let angles = angles_before(knots, place, 0.0);
+            angles.is_some_and(|angles| judge.crossing_at(&angles).is_none())
+        });
+        clear.unwrap_or(touching)
+    }
+
+    /// Returns the reason of a path of which this fraction is free, before a crossing.
+    fn crosses(&self, crossed: &Crossed, free: f64) -> Reason {
         let Crossing { faces, depth } = crossed.crossing;
         Reason::Crosses {
             faces,
             reached: self.reached,
-            free: free.map_or(0.0, |free| self.path.fraction(free)),
-            segment: crossed.segment,
+            free,
+            segment: crossed.free.map_or(0, |place| place.segment),
             depth: depth / self.problem.pattern.median_edge(),
         }
     }
@@ -223,7 +284,7 @@ impl Lifting<'_> {
         lifted.times += longer.times;
         lifted.notes.push(Note::EndsBeforeCrossing {
             residual: self.open_goal?,
-            crossing: self.crosses(crossed, Some(free)),
+            crossing: self.crosses(crossed, self.path.fraction(free)),
             short,
         });
         Some(lifted)

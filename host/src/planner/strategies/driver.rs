@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::advice::{note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_lines_alone, turns_more};
@@ -11,8 +12,7 @@ use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
-use crate::collision::{CONTACT_EDGES, CROSSING_DEPTH_EDGES, CollisionScene, contact_tolerance};
-use crate::folding::FoldingMap;
+use crate::collision::contact_tolerance;
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
@@ -34,11 +34,6 @@ const FEW_CREASES: usize = 200;
 /// Largest number of creases of a sheet that is planned once more without its crease groups because it is not proved to
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
-
-/// Part of the way from which on a path nearly reaches its goal.
-const NEARLY_REACHED: f64 = 0.999;
-/// Ratio of the depth to which faces may be in each other on the way to a goal to that at the goal.
-const OVERLAP_MARGIN: f64 = 1.5;
 
 /// The first row, which the others change.
 const BASE: Row = Row {
@@ -292,7 +287,7 @@ fn leads_farther(new: &Plan, best: &Plan) -> bool {
 
 /// Returns `true` if a path is found where the best so far is none, as the goal does not close.
 fn leads_nearer(new: &Plan, best: &Plan) -> bool {
-    new.outcome == Outcome::NearGoal
+    matches!(new.outcome, Outcome::Planned | Outcome::NearGoal)
         || is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO
 }
 
@@ -345,6 +340,7 @@ pub fn plan_watched(
         errors: ErrorModel::Exact,
         goes_near: false,
         goes_straight: false,
+        is_trial: false,
         contact,
         watch: Watch::new(progress).until(deadline),
     };
@@ -361,7 +357,8 @@ pub fn plan_watched(
     if is_stuck(&asked, &best) {
         best.notes.extend(note_least_bend(&context));
     }
-    best.notes.extend(note_overlap(&asked, &best));
+    best.notes.extend(what_may_help(&asked, &best));
+    best.notes.extend(note_free_turns(&asked, &best));
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {
@@ -387,20 +384,4 @@ pub fn plan_watched(
         motion.phases.retain(|knot| inner.contains(knot));
     }
     best
-}
-
-/// Returns a note on how deep faces are in each other at the goal, if a path nearly reaches it, and contact could be as deep.
-fn note_overlap(asked: &PlanningProblem<'_>, best: &Plan) -> Option<Note> {
-    if !matches!(best.outcome, Outcome::Crossing(_)) || best.reached < NEARLY_REACHED {
-        return None;
-    }
-    let angles: Option<Vec<f64>> = asked.goal.fold_angles.iter().copied().collect();
-    // The path may be that of the straightened sheet.
-    let pattern = &best.motion.as_ref()?.pattern;
-    let map = FoldingMap::new(pattern, pattern.tree(), &angles?);
-    let crossing = CollisionScene::new(pattern).deepest_crossing(&map, 0.0)?;
-    let most = CROSSING_DEPTH_EDGES + OVERLAP_MARGIN * crossing.depth / pattern.median_edge();
-    CONTACT_EDGES
-        .contains(most)
-        .then_some(Note::OverlapsAtGoal(most))
 }

@@ -2,6 +2,7 @@
 //!
 //! One entry point: [`plan`](driver::plan).
 
+pub(super) mod advice;
 mod arrival;
 pub(super) mod bending;
 pub(super) mod driver;

@@ -2,7 +2,7 @@
 
 use super::arrival::judge_arrival;
 use crate::collision::Crossing;
-use crate::pattern::{CreasePattern, EdgeId};
+use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::legs::straight;
 use crate::planner::following::reduction::{CLOSED, Reduction, SAME_RAD};
@@ -13,7 +13,7 @@ use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::lifting::whole_sheet::lift;
 use crate::planner::plan::{Arrival, CrossingSearch, Outcome, Plan, ReducedProblem};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{Note, Reason, Stop, TimeoutAt};
+use crate::planner::reason::{HingeAtLimit, Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
@@ -228,8 +228,8 @@ fn without_route(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Lifted {
 fn path_stops(problem: &PlanningProblem<'_>, route: &Route<'_>, stop: Stop) -> Reason {
     let reduction = &route.reduction;
     let limited = match stop {
-        Stop::Limit(unknown) => members(problem.pattern, reduction, unknown),
-        _ => Vec::new(),
+        Stop::Limit(unknown) => hinge_at_limit(problem.pattern, reduction, unknown, route.last()),
+        _ => None,
     };
     let worst = match stop {
         Stop::Limit(_) => None,
@@ -254,12 +254,25 @@ fn path_stops(problem: &PlanningProblem<'_>, route: &Route<'_>, stop: Stop) -> R
     }
 }
 
-/// Returns the edges of the creases of a group.
-fn members(pattern: &CreasePattern, reduction: &Reduction<'_>, group: usize) -> Vec<EdgeId> {
+/// Returns the hinges of a group that is at its limit at these group angles.
+fn hinge_at_limit(
+    pattern: &CreasePattern,
+    reduction: &Reduction<'_>,
+    group: usize,
+    angles: &[f64],
+) -> Option<HingeAtLimit> {
     let memberships = reduction.groups.memberships().iter();
     let pairs = memberships.zip(pattern.creases());
-    let members = pairs.filter(|(membership, _)| membership.group.index() == group);
-    members.map(|(_, &edge)| edge).collect()
+    let mut members = pairs.filter(|(membership, _)| membership.group.index() == group);
+    let (first, &edge) = members.next()?;
+    Some(HingeAtLimit {
+        // The sum turns -0 into 0.
+        angle: first.apply(*angles.get(group)?) + 0.0,
+        edges: [edge]
+            .into_iter()
+            .chain(members.map(|(_, &edge)| edge))
+            .collect(),
+    })
 }
 
 /// Plans a path on which the sheet deforms within the bound, as it does not fold rigidly along a route.

@@ -123,6 +123,7 @@ pub(super) fn plan_via(
     };
     let problem = PlanningProblem {
         goal: &goal,
+        is_trial: true,
         ..*problem
     };
     let route = select_route(&problem);

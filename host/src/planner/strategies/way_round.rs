@@ -14,7 +14,7 @@ use crate::planner::following::reduction::Reduction;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::Note;
+use crate::planner::reason::{Note, Reason};
 use crate::planner::vectors::{add_scaled, dot, max_norm};
 use crate::symmetry::CreaseGroups;
 
@@ -78,7 +78,12 @@ impl StopSearch for WayRound<'_> {
         }
         let phase = self.last.ended_phases().min(self.stops.len());
         let motion = self.last.motion.as_ref()?;
-        let last = motion.knots.len() - 1;
+        // At the end of the motion the faces touch, and have no direction in which they part.
+        let last = match self.last.reason.as_ref()? {
+            Reason::Crosses { segment, .. } => *segment,
+            Reason::CrossesAtKnot { knot, .. } => knot.checked_sub(1)?,
+            _ => motion.knots.len() - 1,
+        };
         let [end, before] = [last, last.checked_sub(1)?].map(|knot| motion.crease_angles(knot));
         let along: Vec<f64> = end
             .iter()

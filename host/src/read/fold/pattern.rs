@@ -365,7 +365,7 @@ impl Goals {
         let largest = angles.clone().map(f64::abs).fold(0.0, f64::max);
         let is_fraction = |angle: f64| {
             let twelfths = 12.0 * angle / PI;
-            angle.abs() > 0.0 && (twelfths - twelfths.round()).abs() < 1e-3
+            twelfths.abs() > 0.5 && (twelfths - twelfths.round()).abs() < 1e-3
         };
         (largest <= PI + 1e-3 && angles.clone().any(is_fraction)).then(|| {
             format!(

@@ -7,8 +7,9 @@ use super::grid::Grid;
 use super::places::Places;
 use super::planar::{Looks, foot, grid_of_lines, line};
 use super::repairs::Repairs;
-use crate::pattern::DrawnEdge;
+use crate::pattern::{DrawnEdge, Letter};
 use crate::util::csr::group_by_key;
+use crate::util::union_find::UnionFind;
 
 /// Largest distance of an open end from the one vertex or line that it was meant to meet, as a fraction of its own
 /// line.
@@ -224,6 +225,7 @@ impl Nearest {
 }
 
 /// Lines that were removed because they end in the open.
+#[derive(Default)]
 pub(super) struct Removed {
     pub(super) count: usize,
     /// Place of the first open end.
@@ -232,19 +234,31 @@ pub(super) struct Removed {
     pub(super) longest: f64,
 }
 
-/// Removes lines with an end at which no other line ends, again and again. Returns the lines removed,
-/// of which there are none if no end is open.
-pub(super) fn remove_open(points: &[Vector2<f64>], pieces: &mut Vec<DrawnEdge>) -> Option<Removed> {
+impl Removed {
+    fn add(&mut self, [a, b]: [Vector2<f64>; 2], open_end: Vector2<f64>) {
+        if self.count == 0 {
+            self.open_end = open_end;
+        }
+        self.count += 1;
+        self.longest = self.longest.max((b - a).norm());
+    }
+}
+
+/// Removes lines with an end at which no other line ends, again and again. Returns the cuts among them that part nothing,
+/// and the other lines.
+pub(super) fn remove_open(
+    points: &[Vector2<f64>],
+    pieces: &mut Vec<DrawnEdge>,
+) -> [Option<Removed>; 2] {
     let pairs: Vec<(usize, usize)> = pieces
         .iter()
         .enumerate()
         .flat_map(|(index, piece)| piece.ends.map(|end| (end, index)))
         .collect();
     let stars = group_by_key(points.len(), &pairs);
-    let mut degrees: Vec<usize> = stars.iter().map(<[usize]>::len).collect();
+    let drawn: Vec<usize> = stars.iter().map(<[usize]>::len).collect();
+    let mut degrees = drawn.clone();
     let mut open: Vec<usize> = (0..points.len()).filter(|&v| degrees[v] == 1).collect();
-    let ends = pieces.iter().flat_map(|piece| piece.ends);
-    let first = ends.into_iter().find(|&end| degrees[end] == 1)?;
     let mut removed = vec![false; pieces.len()];
     while let Some(vertex) = open.pop() {
         for &index in stars[vertex].iter().filter(|_| degrees[vertex] == 1) {
@@ -261,20 +275,50 @@ pub(super) fn remove_open(points: &[Vector2<f64>], pieces: &mut Vec<DrawnEdge>) 
             break;
         }
     }
-    let mut lines = Removed {
-        count: 0,
-        open_end: points[first],
-        longest: 0.0,
-    };
+    let slits = slits(pieces, &removed, &degrees);
+    let mut lines = [Removed::default(), Removed::default()];
+    for (index, piece) in pieces
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| removed[*index])
+    {
+        let is_open = |end: &&usize| drawn[**end] == 1;
+        let end = piece.ends.iter().find(is_open).unwrap_or(&piece.ends[0]);
+        lines[usize::from(!slits[index])].add(line(points, piece), points[*end]);
+    }
     let mut removed = removed.into_iter();
-    pieces.retain(|piece| {
-        let removed = removed.next().unwrap_or_default();
-        if removed {
-            let [a, b] = line(points, piece);
-            lines.count += 1;
-            lines.longest = lines.longest.max((b - a).norm());
+    pieces.retain(|_| !removed.next().unwrap_or_default());
+    lines.map(|lines| (lines.count > 0).then_some(lines))
+}
+
+/// Tells which removed lines are slits: cuts, and borders that no line joins to what is left of the drawing or to a crease.
+/// `degrees` has the number of lines that are left at each vertex.
+fn slits(pieces: &[DrawnEdge], removed: &[bool], degrees: &[usize]) -> Vec<bool> {
+    let gone = || {
+        pieces
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| removed[*index])
+    };
+    let mut joined = UnionFind::new(degrees.len());
+    for (_, piece) in gone() {
+        joined.join(piece.ends);
+    }
+    let mut is_held = vec![false; degrees.len()];
+    for (_, piece) in gone() {
+        let is_crease = !matches!(piece.letter, Letter::Cut | Letter::Boundary);
+        for end in piece.ends {
+            let root = joined.find(end);
+            is_held[root] |= is_crease || degrees[end] > 0;
         }
-        !removed
-    });
-    Some(lines)
+    }
+    let mut slits = vec![false; pieces.len()];
+    for (index, piece) in gone() {
+        slits[index] = match piece.letter {
+            Letter::Cut => true,
+            Letter::Boundary => !is_held[joined.find(piece.ends[0])],
+            _ => false,
+        };
+    }
+    slits
 }

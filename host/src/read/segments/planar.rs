@@ -119,7 +119,7 @@ pub(super) fn planar(
         2.0 * tolerance,
         MAX_OF_DIAGONAL_RATIO * diagonal,
     );
-    repairs.removed = remove_open(&places.points, &mut pieces);
+    [repairs.slits, repairs.removed] = remove_open(&places.points, &mut pieces);
     Some((drawing(&places.points, pieces), repairs))
 }
 

@@ -41,7 +41,9 @@ pub(super) struct Repairs {
     pub(super) to_lines: Joined,
     /// Creases that were drawn in pieces.
     pub(super) perforations: Perforations,
-    /// Lines that were removed because they end in the open.
+    /// Cuts that were removed because they end inside a panel.
+    pub(super) slits: Option<Removed>,
+    /// Other lines that were removed because they end in the open.
     pub(super) removed: Option<Removed>,
     /// Points within this distance of each other are one place.
     pub(super) tolerance: f64,
@@ -130,7 +132,18 @@ impl Repairs {
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
         let said = said.map(|(_, words)| words);
-        said.chain(self.borders_in_words(drawn)).collect()
+        let slits = self.slits.iter().map(|slits| {
+            let [x, y] = drawn(slits.open_end).map(rounded);
+            format!(
+                "cuts that end inside a panel, and part nothing, left out: {}, up to {:.1e} long, the first end at \
+                 ({x}, {y})",
+                slits.count, slits.longest
+            )
+        });
+        let slits: Vec<String> = slits.collect();
+        said.chain(slits)
+            .chain(self.borders_in_words(drawn))
+            .collect()
     }
 
     /// Names the sides where a border is missing.
