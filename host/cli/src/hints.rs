@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
-use foldpath::pattern::PatternError;
+use foldpath::pattern::{NearLines, PatternError};
 use foldpath::planner::{GoalError, Note};
 use foldpath::read::FileError;
 use foldpath::request::RequestError;
@@ -34,6 +34,15 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Returns a hint on what joins lines that pass near each other, if something does.
+pub(crate) fn of_near_lines(near: &NearLines) -> Option<String> {
+    let NearLines { apart, .. } = near;
+    let tolerance = near.joined_by?;
+    Some(format!(
+        "`--tolerance {tolerance}` joins lines {apart:.1e} apart"
+    ))
 }
 
 /// Returns a hint on which option unfolds a shape, if there is one.

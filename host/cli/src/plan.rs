@@ -31,7 +31,10 @@ pub(crate) fn run(args: &args::Plan, quiet: bool) -> Answer {
     let json = done.json(&job, Some(start));
     print_notes(quiet, &json.notes);
     let hints = done.planned.plan.notes.iter().filter_map(hints::of_note);
+    let is_no = done.planned.plan.outcome != Outcome::Planned;
+    let near = done.file.pattern.near_lines().filter(|_| is_no);
     hints
+        .chain(near.and_then(hints::of_near_lines))
         .filter(|_| !quiet)
         .for_each(|hint| say(&format!("help: {hint}")));
     if job.json {

@@ -89,7 +89,10 @@ static STRATEGIES: [Row; 17] = [
     Row {
         strategy: Strategy::FoldSequence,
         starts_from: StartsFrom::Answer,
-        is_tried: |context| context.is_unplanned() && has_few_creases(context.problem),
+        is_tried: |context| {
+            let problem = context.problem;
+            context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
+        },
         run: |context, attempts| {
             try_phases(context, attempts, Reason::NoFoldSequence, |goal| {
                 fold_in_sequence(context.problem, context.route?, goal.to_vec())
@@ -143,6 +146,19 @@ static STRATEGIES: [Row; 17] = [
         ..UNGROUPED
     },
     Row {
+        strategy: Strategy::Straightened,
+        is_tried: |context| {
+            let may_be = context.problem.pattern.straightens_within().is_some();
+            may_be && context.is_unplanned() && !context.problem.is_late()
+        },
+        run: plan_straightened,
+        // If even the straightened sheet deforms, the drawing is not the reason why the sheet does not reach its goal.
+        is_better: |new, best| {
+            leads_farther(new, best) || new.outcome == Outcome::NotRigidlyFoldable
+        },
+        ..BASE
+    },
+    Row {
         strategy: Strategy::MeasuredError,
         errors: ErrorModel::Measured,
         is_tried: nearly_closes,
@@ -165,19 +181,6 @@ static STRATEGIES: [Row; 17] = [
         goes_near: true,
         is_tried: |context| context.best.outcome == Outcome::GoalNotClosed,
         is_better: leads_nearer,
-        ..BASE
-    },
-    Row {
-        strategy: Strategy::Straightened,
-        is_tried: |context| {
-            let may_be = context.problem.pattern.straightens_within().is_some();
-            may_be && context.is_unplanned() && !context.problem.is_late()
-        },
-        run: plan_straightened,
-        // If even the straightened sheet deforms, the drawing is not the reason why the sheet does not reach its goal.
-        is_better: |new, best| {
-            leads_farther(new, best) || new.outcome == Outcome::NotRigidlyFoldable
-        },
         ..BASE
     },
     other_seed(0),
@@ -215,6 +218,14 @@ const fn other_seed(seed: u64) -> Row {
         is_better: leads_farther,
         ..BASE
     }
+}
+
+/// Returns `true` if a sheet whose errors are snapped can be straightened. That comes next, and sequences of folds are then
+/// looked for on the straightened sheet, which closes at every stop, so that they are found sooner.
+fn is_straightened_first(problem: &PlanningProblem<'_>) -> bool {
+    let is_next = problem.errors.is_snapped() && !problem.errors.is_measured();
+    let within = problem.pattern.straightens_within().filter(|_| is_next);
+    within.is_some_and(|within| straightened(problem.pattern, within, problem.watch).is_some())
 }
 
 /// Plans the sheet straightened, with what its vertices moved as contact, if the reader allowed it to be straightened.
