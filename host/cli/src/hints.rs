@@ -29,6 +29,10 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
             let most = most.to_degrees().ceil();
             Some(format!("`--bend {most}` lets panels bend so far"))
         }
+        Note::NotStraightened(how) => Some(format!(
+            "`--straighten on` moves {} vertices by {:.1e} at most, and plans that sheet alone",
+            how.moved, how.farthest
+        )),
         Note::OverlapsAtGoal(most) => {
             Some(format!("`--contact {most:.1e}` takes that for contact"))
         }

@@ -15,10 +15,6 @@ use crate::util::union_find::UnionFind;
 /// Largest number of edges of a pattern whose layers are compared: all pairs of creases are.
 const MAX_EDGES: usize = 1 << 9;
 
-/// Largest distance in the folded sheet between creases that may be meant to lie on one line, in reaches: the moves of
-/// all vertices on the way between them add up.
-const MAX_ASIDE_REACHES: f64 = 4.0;
-
 /// Largest distance between the two places that the faces beside an edge give it if the sheet folds flat, as a fraction of
 /// the reach.
 const CLOSED_RATIO: f64 = 1e-6;
@@ -91,15 +87,13 @@ impl Crease {
         (self.at[1] - self.at[0]).norm()
     }
 
-    /// Returns `true` if a shorter crease lies along this one, for a part of its length, and nearly on its line.
+    /// Returns `true` if a shorter crease lies along this one, for a part of its length and within `reach`.
     fn is_beside(&self, other: &Self, reach: f64) -> bool {
         let [from, to] = self.at;
         let length = self.length();
         let along = (to - from) / length;
         let [a, b] = other.at.map(|end| end - from);
-        let is_near = [a, b]
-            .iter()
-            .all(|end| along.perp(end).abs() <= MAX_ASIDE_REACHES * reach);
+        let is_near = [a, b].iter().all(|end| along.perp(end).abs() <= reach);
         let [a, b] = [a, b].map(|end| along.dot(&end));
         is_near && a.min(b) < length - reach && a.max(b) > reach
     }

@@ -146,6 +146,13 @@ static STRATEGIES: [Row; 17] = [
         ..UNGROUPED
     },
     Row {
+        strategy: Strategy::NearestConfiguration,
+        goes_near: true,
+        is_tried: |context| context.best.outcome == Outcome::GoalNotClosed,
+        is_better: leads_nearer,
+        ..BASE
+    },
+    Row {
         strategy: Strategy::Straightened,
         is_tried: |context| {
             let may_be = context.problem.pattern.straightens_within().is_some();
@@ -175,13 +182,6 @@ static STRATEGIES: [Row; 17] = [
         is_tried: nearly_closes,
         note: errors_added_up,
         ..UNGROUPED
-    },
-    Row {
-        strategy: Strategy::NearestConfiguration,
-        goes_near: true,
-        is_tried: |context| context.best.outcome == Outcome::GoalNotClosed,
-        is_better: leads_nearer,
-        ..BASE
     },
     other_seed(0),
     other_seed(1),
@@ -385,6 +385,10 @@ pub fn plan_watched(
         best.outcome = Outcome::Timeout;
         best.reason = Some(Reason::OutOfTime(TimeoutAt::LookingForOtherWays));
     }
+    if best.outcome == Outcome::Timeout {
+        best.notes
+            .extend(note_not_straightened(&asked, &attempts, progress));
+    }
     best.attempts = attempts;
     if let Some(motion) = &mut best.motion {
         motion.seed = Some(options.seed);
@@ -398,6 +402,20 @@ pub fn plan_watched(
         motion.phases.retain(|knot| inner.contains(knot));
     }
     best
+}
+
+/// Returns a note on the straightened sheet, if it could be planned but was not begun for want of time.
+fn note_not_straightened(
+    asked: &PlanningProblem<'_>,
+    attempts: &[Attempt],
+    progress: &Progress,
+) -> Option<Note> {
+    let is_straightened = |attempt: &Attempt| attempt.strategy == Strategy::Straightened;
+    let within = asked.pattern.straightens_within();
+    let within = within.filter(|_| !attempts.iter().any(is_straightened))?;
+    // The time of the plan is over.
+    let (_, how) = straightened(asked.pattern, within, Watch::new(progress))?;
+    Some(Note::NotStraightened(how))
 }
 
 /// Returns a note on how deep faces are in each other at the goal, if a path nearly reaches it, and contact could be as deep.
