@@ -13,7 +13,7 @@ pub struct NearLines {
     pub apart: f64,
     /// Its place, in the drawing's own coordinates.
     pub at: [f64; 2],
-    /// Smallest tolerance found with which all of them meet their lines and nothing else is lost, in the drawing's units.
+    /// A tolerance with which all of them meet their lines and no line becomes too short, in the drawing's units.
     /// `None` if none was found.
     pub joined_by: Option<f64>,
 }

@@ -129,7 +129,7 @@ pub(super) fn pattern_file(
         if sheet.repairs.removed.is_some() {
             let twice = sheet.repairs.twice;
             let keeps_all = |new: &Repairs| new.removed.is_none() && new.twice <= twice;
-            kept_by = reader.tolerance_that(&segments, &sheet, keeps_all);
+            kept_by = reader.tolerance_that(&segments, &sheet, 1.0, keeps_all);
         }
         if let Some(misses) = sheet.repairs.misses {
             let joins_all = |new: &Repairs| {
@@ -137,7 +137,7 @@ pub(super) fn pattern_file(
                 new.misses.is_none_or(is_apart)
                     && (new.removed.is_none() || sheet.repairs.removed.is_some())
             };
-            joined_by = reader.tolerance_that(&segments, &sheet, joins_all);
+            joined_by = reader.tolerance_that(&segments, &sheet, ROOM_TO_JOIN, joins_all);
         }
     }
     let length = written.precision(&sheet.pattern, rounding);
@@ -179,6 +179,10 @@ pub(super) fn pattern_file(
 
 /// Largest number of lines of a drawing for which a tolerance is looked for that keeps or joins lines.
 const MAX_SEARCHED_LINES: usize = 1 << 17;
+
+/// Ratio of the tolerance that is told to join lines to the smallest that does: other ends are off by a little more than
+/// those that are found.
+const ROOM_TO_JOIN: f64 = 2.0;
 
 /// Largest number of doublings of the tolerance in this search, and of steps in all. Drawings of many lines get fewer.
 const MAX_DOUBLINGS: usize = 8;
@@ -238,11 +242,13 @@ impl Reader<'_> {
     }
 
     /// Looks for the smallest tolerance with which the repairs are as `wanted` and no line becomes too short: doubles the
-    /// tolerance until one does, and then halves the interval (of logarithms) that is left.
+    /// tolerance until one does, and then halves the interval (of logarithms) that is left. Returns `room` times this
+    /// tolerance, if the same holds of that.
     fn tolerance_that(
         &self,
         segments: &[Segment],
         found: &RepairedDrawing,
+        room: f64,
         wanted: impl Fn(&Repairs) -> bool,
     ) -> Option<f64> {
         let keeps = |tolerance| {
@@ -271,7 +277,9 @@ impl Reader<'_> {
                 low = next;
             }
         }
-        high
+        let smallest = high?;
+        let roomy = two_digits(room * smallest);
+        Some(if keeps(roomy) { roomy } else { smallest })
     }
 
     /// Makes the crease pattern of a drawing; an error names its place in the file.

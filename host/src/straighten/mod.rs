@@ -194,7 +194,7 @@ fn least_moves(
         reach,
         edge: pattern.median_edge(),
     };
-    let moved = moved(drawn, conditions.clone(), limits, watch)?;
+    let moved = moved(drawn, conditions, limits, watch)?;
     if !folds_flat {
         return moved.vertices;
     }
@@ -203,10 +203,34 @@ fn least_moves(
     if layers.is_empty() {
         return moved.vertices;
     }
-    conditions = moved.conditions;
-    conditions.extend(layers);
-    let layered = self::moved(drawn, conditions, limits, watch);
-    layered.and_then(|it| it.vertices).or(moved.vertices)
+    with_layers(drawn, &moved, &layers, limits, watch).or(moved.vertices)
+}
+
+/// Returns the places of vertices after the least moves that lay creases of different layers on one line as well. If lines
+/// that are parallel by chance are in the way, they are given up.
+fn with_layers(
+    drawn: &[Vector2<f64>],
+    before: &Moved,
+    layers: &[Condition],
+    limits: Limits,
+    watch: Watch<'_>,
+) -> Option<Vec<Vector2<f64>>> {
+    let is_parallel = |it: &&Condition| matches!(it, Condition::Parallel { .. });
+    let all = before.conditions.iter();
+    let without = all.clone().filter(|it| !is_parallel(it));
+    let tries: [Vec<&Condition>; 2] = [all.collect(), without.collect()];
+    let mut first = None;
+    for conditions in tries {
+        let conditions = conditions.into_iter().chain(layers).cloned().collect();
+        let Some(tried) = moved(drawn, conditions, limits, watch) else {
+            continue;
+        };
+        if layers.iter().all(|layer| tried.conditions.contains(layer)) {
+            return tried.vertices;
+        }
+        first = first.or(tried.vertices);
+    }
+    first
 }
 
 /// Lengths that limit how vertices are moved.

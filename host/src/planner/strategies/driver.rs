@@ -220,8 +220,8 @@ const fn other_seed(seed: u64) -> Row {
     }
 }
 
-/// Returns `true` if a sheet whose errors are snapped can be straightened. That comes next, and sequences of folds are then
-/// looked for on the straightened sheet, which closes at every stop, so that they are found sooner.
+/// Returns `true` if a sheet whose errors are snapped can be straightened. The straightened sheet is tried next. It closes at
+/// every stop, so that sequences of folds are found on it in a fraction of the time.
 fn is_straightened_first(problem: &PlanningProblem<'_>) -> bool {
     let is_next = problem.errors.is_snapped() && !problem.errors.is_measured();
     let within = problem.pattern.straightens_within().filter(|_| is_next);

@@ -11,7 +11,7 @@ use crate::pattern::{DrawnEdge, Letter};
 /// Largest distance of such a vertex from its line, in usual tolerances.
 const MAX_TOLERANCES: f64 = 10.0;
 
-/// Largest ratio of such a distance to the least in the drawing. What is farther is drawn so on purpose.
+/// Largest ratio of such a distance to the least in the drawing. Vertices that are farther away are drawn so on purpose.
 const MAX_RATIO: f64 = 4.0;
 
 /// Vertices that lie near a line.
