@@ -404,7 +404,8 @@ pub fn plan_watched(
     best
 }
 
-/// Returns a note on the straightened sheet, if it could be planned but was not begun for want of time.
+/// Returns a note on the straightened sheet, if it could be planned but was not begun for want of time. Only small sheets
+/// are straightened for it, in milliseconds, as the time is over.
 fn note_not_straightened(
     asked: &PlanningProblem<'_>,
     attempts: &[Attempt],
@@ -413,8 +414,9 @@ fn note_not_straightened(
     let is_straightened = |attempt: &Attempt| attempt.strategy == Strategy::Straightened;
     let within = asked.pattern.straightens_within();
     let within = within.filter(|_| !attempts.iter().any(is_straightened))?;
-    // The time of the plan is over.
-    let (_, how) = straightened(asked.pattern, within, Watch::new(progress))?;
+    let is_small = asked.pattern.creases().len() <= FEW_CREASES;
+    let watch = Watch::new(progress);
+    let (_, how) = is_small.then(|| straightened(asked.pattern, within, watch))??;
     Some(Note::NotStraightened(how))
 }
 
