@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
-use foldpath::pattern::{LostLines, PatternError};
+use foldpath::pattern::{LostLines, NearLines, PatternError};
 use foldpath::planner::{CHOSEN_REACH, GoalError, Note, Reason};
 use foldpath::read::FileError;
 use foldpath::request::{PlanRequest, RequestError};
@@ -37,6 +37,10 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
             let most = most.to_degrees().ceil();
             Some(format!("`--bend {most}` lets panels bend so far"))
         }
+        Note::NotStraightened(how) => Some(format!(
+            "`--straighten on` moves {} vertices by {:.1e} at most, and plans that sheet alone",
+            how.moved, how.farthest
+        )),
         Note::OverlapsAtGoal(most) => {
             Some(format!("`--contact {most:.1e}` takes that for contact"))
         }
@@ -85,6 +89,15 @@ pub(crate) fn of_reason(reason: &Reason, request: &PlanRequest) -> Option<String
         }
         _ => None,
     }
+}
+
+/// Returns a hint on what joins lines that pass near each other, if something does.
+pub(crate) fn of_near_lines(near: &NearLines) -> Option<String> {
+    let NearLines { apart, .. } = near;
+    let tolerance = near.joined_by?;
+    Some(format!(
+        "`--tolerance {tolerance}` joins lines {apart:.1e} apart"
+    ))
 }
 
 /// Returns a hint on which option unfolds a shape, if there is one.

@@ -40,7 +40,10 @@ pub(crate) fn run(args: &args::Plan, quiet: bool) -> Answer {
         .iter()
         .filter_map(hints::of_note)
         .chain(of_reason);
+    let is_no = plan.outcome != Outcome::Planned;
+    let near = done.file.pattern.near_lines().filter(|_| is_no);
     hints
+        .chain(near.and_then(hints::of_near_lines))
         .filter(|_| !quiet)
         .for_each(|hint| say(&format!("help: {hint}")));
     if job.json {

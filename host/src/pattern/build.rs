@@ -88,6 +88,7 @@ impl CreasePattern {
             assumptions,
             repairs: Vec::new(),
             lost: None,
+            near: None,
             y_down: false,
             straightens_within: None,
             unit: None,

@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 use nalgebra::{Vector2, Vector3};
 
 use super::precision::Precision;
-use super::{CreaseId, EdgeId, FaceId, Letter, LostLines, Passage, SpanningTree, Unit, VertexId};
+use super::{
+    CreaseId, EdgeId, FaceId, Letter, LostLines, NearLines, Passage, SpanningTree, Unit, VertexId,
+};
 use crate::util::csr::Csr;
 
 /// An edge of a crease pattern.
@@ -64,6 +66,7 @@ pub struct CreasePattern {
     pub(super) assumptions: Vec<String>,
     pub(super) repairs: Vec<String>,
     pub(super) lost: Option<LostLines>,
+    pub(super) near: Option<NearLines>,
     pub(super) y_down: bool,
     pub(super) straightens_within: Option<f64>,
     pub(super) unit: Option<Unit>,
@@ -319,5 +322,18 @@ impl CreasePattern {
     pub(crate) fn lose(&mut self, lost: LostLines) {
         self.repaired(lost.to_string());
         self.lost = Some(lost);
+    }
+
+    /// Returns the lines of the drawing that pass near each other without meeting, if there are any. The assumptions tell
+    /// them as well.
+    #[must_use]
+    pub fn near_lines(&self) -> Option<&NearLines> {
+        self.near.as_ref()
+    }
+
+    /// Records lines that pass near each other.
+    pub(crate) fn leave_apart(&mut self, near: NearLines) {
+        self.assume(near.to_string());
+        self.near = Some(near);
     }
 }

@@ -32,6 +32,7 @@ impl CreasePattern {
         pattern.assumptions.clone_from(&self.assumptions);
         pattern.repairs.clone_from(&self.repairs);
         pattern.lost.clone_from(&self.lost);
+        pattern.near = self.near;
         pattern.slits.clone_from(&self.slits);
         pattern.drawn = self.drawn;
         pattern.y_down = self.y_down;

@@ -249,6 +249,9 @@ impl Display for Note {
             Self::Straightened(how) => {
                 write!(f, "{how}, as the sheet does not fold as it is drawn")
             }
+            Self::NotStraightened(how) => {
+                write!(f, "time ran out before the sheet was planned {how}")
+            }
             Self::FoundAtRandom => f.write_str("the path was found by the randomised search"),
             Self::Snapped { turned } => write!(
                 f,

@@ -224,6 +224,8 @@ pub enum Note {
     Branches(usize),
     /// The sheet does not fold as it is drawn; the path is that of the straightened one.
     Straightened(Straightened),
+    /// Time ran out before the straightened sheet was planned.
+    NotStraightened(Straightened),
     /// The path was found by the randomised search.
     FoundAtRandom,
     /// Creases count as turned, so that the sheet folds flat exactly.

@@ -6,6 +6,7 @@
 
 mod grid;
 mod missing_border;
+mod near_lines;
 mod open_ends;
 mod perforation;
 mod places;
@@ -16,13 +17,14 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
+use self::near_lines::Misses;
 use self::planar::planar;
 pub(super) use self::planar::weight;
 use self::repairs::Repairs;
 use super::fold::PatternFile;
 use super::{FileError, ReadOptions, stem};
 use crate::pattern::{
-    CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, PatternError, Unit,
+    CreasePattern, Digits, Drawing, LARGEST, Letter, LostLines, NearLines, PatternError, Unit,
 };
 use crate::progress::Watch;
 
@@ -122,10 +124,22 @@ pub(super) fn pattern_file(
         watch,
     };
     let sheet = reader.sheet(segments, options.tolerance)?;
-    let kept_by = match kept {
-        Some(segments) if sheet.repairs.removed.is_some() => reader.keeping(&segments, &sheet),
-        _ => None,
-    };
+    let (mut kept_by, mut joined_by) = (None, None);
+    if let Some(segments) = kept {
+        if sheet.repairs.removed.is_some() {
+            let twice = sheet.repairs.twice;
+            let keeps_all = |new: &Repairs| new.removed.is_none() && new.twice <= twice;
+            kept_by = reader.tolerance_that(&segments, &sheet, 1.0, keeps_all);
+        }
+        if let Some(misses) = sheet.repairs.misses {
+            let joins_all = |new: &Repairs| {
+                let is_apart = |left: Misses| left.apart > misses.within;
+                new.misses.is_none_or(is_apart)
+                    && (new.removed.is_none() || sheet.repairs.removed.is_some())
+            };
+            joined_by = reader.tolerance_that(&segments, &sheet, ROOM_TO_JOIN, joins_all);
+        }
+    }
     let length = written.precision(&sheet.pattern, rounding);
     let RepairedDrawing {
         mut pattern,
@@ -146,6 +160,14 @@ pub(super) fn pattern_file(
             kept_by,
         });
     }
+    if let Some(misses) = repairs.misses {
+        pattern.leave_apart(NearLines {
+            count: misses.count,
+            apart: misses.apart,
+            at: reader.drawn(misses.at),
+            joined_by,
+        });
+    }
     if y_down {
         pattern.drawn_with_y_down();
     }
@@ -155,8 +177,12 @@ pub(super) fn pattern_file(
     })
 }
 
-/// Largest number of lines of a drawing for which a tolerance is looked for that keeps lines which end in the open.
+/// Largest number of lines of a drawing for which a tolerance is looked for that keeps or joins lines.
 const MAX_SEARCHED_LINES: usize = 1 << 17;
+
+/// Ratio of the tolerance that is told to join lines to the smallest that does: other ends are off by a little more than
+/// those that are found.
+const ROOM_TO_JOIN: f64 = 2.0;
 
 /// Largest number of doublings of the tolerance in this search, and of steps in all. Drawings of many lines get fewer.
 const MAX_DOUBLINGS: usize = 8;
@@ -215,15 +241,20 @@ impl Reader<'_> {
         Ok(RepairedDrawing { pattern, repairs })
     }
 
-    /// Looks for the smallest tolerance with which no line ends in the open and nothing else is lost that `found` has:
-    /// doubles the tolerance until one does, and then halves the interval (of logarithms) that is left.
-    fn keeping(&self, segments: &[Segment], found: &RepairedDrawing) -> Option<f64> {
+    /// Looks for the smallest tolerance with which the repairs are as `wanted` and no line becomes too short: doubles the
+    /// tolerance until one does, and then halves the interval (of logarithms) that is left. Returns `room` times this
+    /// tolerance, if the same holds of that.
+    fn tolerance_that(
+        &self,
+        segments: &[Segment],
+        found: &RepairedDrawing,
+        room: f64,
+        wanted: impl Fn(&Repairs) -> bool,
+    ) -> Option<f64> {
         let keeps = |tolerance| {
             let sheet = self.sheet(segments.to_vec(), Some(tolerance));
             sheet.is_ok_and(|sheet| {
-                sheet.repairs.removed.is_none()
-                    && sheet.repairs.short <= found.repairs.short
-                    && sheet.repairs.twice <= found.repairs.twice
+                wanted(&sheet.repairs) && sheet.repairs.short <= found.repairs.short
             })
         };
         // Lines that cross many others take longer.
@@ -246,7 +277,9 @@ impl Reader<'_> {
                 low = next;
             }
         }
-        high
+        let smallest = high?;
+        let roomy = two_digits(room * smallest);
+        Some(if keeps(roomy) { roomy } else { smallest })
     }
 
     /// Makes the crease pattern of a drawing; an error names its place in the file.

@@ -10,8 +10,14 @@ const MAX_ANGLE_RAD: f64 = 0.0175;
 /// A condition that vertices are meant to fulfil.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Condition {
-    /// A vertex lies on the straight line through two others.
-    InLine { ends: [usize; 2], at: usize },
+    /// A vertex lies on the straight line through two others, once the sheet between them is folded flat.
+    InLine {
+        ends: [usize; 2],
+        at: usize,
+        /// The creases (each by its ends) that are crossed on the way from a face at the line to a face at the vertex;
+        /// none in the flat sheet.
+        creases: Vec<[usize; 2]>,
+    },
     /// Two lines, given by two vertices each, are parallel.
     Parallel { lines: [[usize; 2]; 2] },
     /// The creases (each by its ends) that are crossed on the way round a vertex or hole fold flat: the reflections in
@@ -60,16 +66,22 @@ impl Condition {
     /// Returns the equations of the condition, for vertices at these places.
     pub(super) fn equations(&self, points: &[Vector2<f64>]) -> Vec<Equation> {
         match self {
-            Self::InLine { ends: [a, b], at } => {
+            Self::InLine {
+                ends: [a, b],
+                at,
+                creases,
+            } => {
+                let image = Image::of(points, creases, points[*at]);
                 let along = points[*b] - points[*a];
-                let from = points[*at] - points[*a];
+                let from = image.at - points[*a];
                 let normal = left_of(along.normalize());
                 let part = along.dot(&from) / along.norm_squared();
-                let terms = [
-                    (*at, normal),
+                let mut terms = image.derivatives(points, creases, normal);
+                terms.extend([
+                    (*at, image.turned.tr_mul(&normal)),
                     (*a, normal * (part - 1.0)),
                     (*b, normal * -part),
-                ];
+                ]);
                 vec![Equation::new(normal.dot(&from), terms)]
             }
             Self::Parallel { lines } => {
@@ -108,21 +120,23 @@ impl Condition {
 
     /// Returns the vertices on which the condition is laid, some more than once.
     pub(super) fn vertices(&self) -> impl Iterator<Item = usize> {
-        let (pairs, one): (&[[usize; 2]], _) = match self {
-            Self::InLine { ends, at } => (core::slice::from_ref(ends), Some(*at)),
+        let (pairs, line): (&[[usize; 2]], _) = match self {
+            Self::InLine { ends, at, creases } => (creases, Some([ends[0], ends[1], *at])),
             Self::Parallel { lines } => (lines, None),
             Self::FoldsFlat { creases, .. } => (creases, None),
         };
-        pairs.iter().flatten().copied().chain(one)
+        let line = line.into_iter().flatten();
+        pairs.iter().flatten().copied().chain(line)
     }
 
     /// Returns the rank in which conditions are given up that contradict others, the first first.
     pub(super) fn rank(&self) -> u8 {
         match self {
             Self::Parallel { .. } => 0,
-            Self::FoldsFlat { hole: Some(_), .. } => 1,
-            Self::FoldsFlat { hole: None, .. } => 2,
-            Self::InLine { .. } => 3,
+            Self::InLine { creases, .. } if !creases.is_empty() => 1,
+            Self::FoldsFlat { hole: Some(_), .. } => 2,
+            Self::FoldsFlat { hole: None, .. } => 3,
+            Self::InLine { .. } => 4,
         }
     }
 }
@@ -168,36 +182,70 @@ fn translation(
     creases: &[[usize; 2]],
     middle: Vector2<f64>,
 ) -> [Equation; 2] {
-    // The last crease reflects first. `images` has the place that each crease reflects.
-    let mut at = middle;
-    let mut images = Vec::with_capacity(creases.len());
-    for [a, b] in creases.iter().rev() {
-        images.push(at);
-        let along = (points[*b] - points[*a]).normalize();
-        let from = at - points[*a];
-        at = points[*a] + along * (2.0 * along.dot(&from)) - from;
-    }
-    images.reverse();
-    let mut before = Matrix2::identity();
-    let mut terms: [Vec<(usize, Vector2<f64>)>; 2] = Default::default();
-    for (&[a, b], image) in creases.iter().zip(images) {
-        let along = points[b] - points[a];
-        let (length, along) = (along.norm(), along.normalize());
-        let normal = left_of(along);
-        let from = image - points[a];
-        // Half the image moves by `shift` times the move of `a` along the normal, and by `turn` times the angle by which
-        // the crease turns.
-        let shift = before * normal;
-        let turn = before * (normal * along.dot(&from) + along * normal.dot(&from));
-        for (axis, terms) in terms.iter_mut().enumerate() {
-            terms.push((a, normal * (shift[axis] - turn[axis] / length)));
-            terms.push((b, normal * (turn[axis] / length)));
+    let image = Image::of(points, creases, middle);
+    let off = (image.at - middle) / 2.0;
+    // Half the move, so that a crease alone that moves by one unit is off by one unit.
+    let along = |axis: Vector2<f64>| image.derivatives(points, creases, axis / 2.0);
+    [
+        Equation::new(off.x, along(Vector2::x())),
+        Equation::new(off.y, along(Vector2::y())),
+    ]
+}
+
+/// The place to which reflections in creases take a point. The last crease reflects first.
+struct Image {
+    at: Vector2<f64>,
+    /// The reflections without their translations, all together.
+    turned: Matrix2<f64>,
+    /// For each crease the place that it reflects, and the reflections that follow, without their translations.
+    reflected: Vec<(Vector2<f64>, Matrix2<f64>)>,
+}
+
+impl Image {
+    fn of(points: &[Vector2<f64>], creases: &[[usize; 2]], mut at: Vector2<f64>) -> Self {
+        let along = |[a, b]: [usize; 2]| (points[b] - points[a]).normalize();
+        let mut turned = Matrix2::identity();
+        let mut reflected = Vec::with_capacity(creases.len());
+        for &crease in creases {
+            reflected.push((Vector2::zeros(), turned));
+            let along = along(crease);
+            turned *= along * along.transpose() * 2.0 - Matrix2::identity();
         }
-        before *= along * along.transpose() * 2.0 - Matrix2::identity();
+        for (&crease, (from, _)) in creases.iter().zip(&mut reflected).rev() {
+            *from = at;
+            let (start, along) = (points[crease[0]], along(crease));
+            at = start + along * (2.0 * along.dot(&(at - start))) - (at - start);
+        }
+        Self {
+            at,
+            turned,
+            reflected,
+        }
     }
-    let off = (at - middle) / 2.0;
-    let [x, y] = terms;
-    [Equation::new(off.x, x), Equation::new(off.y, y)]
+
+    /// Returns the derivatives of the image's component along an axis by the ends of the creases.
+    fn derivatives(
+        &self,
+        points: &[Vector2<f64>],
+        creases: &[[usize; 2]],
+        axis: Vector2<f64>,
+    ) -> Vec<(usize, Vector2<f64>)> {
+        let mut terms = Vec::with_capacity(2 * creases.len());
+        for (&[a, b], (reflected, after)) in creases.iter().zip(&self.reflected) {
+            let along = points[b] - points[a];
+            let (length, along) = (along.norm(), along.normalize());
+            let normal = left_of(along);
+            let from = reflected - points[a];
+            // The image moves by `shift` times the move of `a` along the normal, and by `turn` times the angle by which
+            // the crease turns.
+            let shift = 2.0 * axis.dot(&(after * normal));
+            let turn = normal * along.dot(&from) + along * normal.dot(&from);
+            let turn = 2.0 * axis.dot(&(after * turn));
+            terms.push((a, normal * (shift - turn / length)));
+            terms.push((b, normal * (turn / length)));
+        }
+        terms
+    }
 }
 
 #[cfg(test)]
@@ -226,6 +274,12 @@ mod tests {
             Condition::InLine {
                 ends: [0, 1],
                 at: 2,
+                creases: Vec::new(),
+            },
+            Condition::InLine {
+                ends: [0, 1],
+                at: 2,
+                creases: vec![[7, 6], [2, 3], [4, 5]],
             },
             Condition::Parallel {
                 lines: [[0, 1], [5, 4]],

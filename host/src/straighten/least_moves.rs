@@ -1,4 +1,4 @@
-//! The least moves of vertices that fulfil equations, by Gauss-Newton steps.
+//! The least moves of vertices that fulfil equations, by Levenberg-Marquardt steps.
 
 use foldpath_linear::cholesky::Factor;
 use foldpath_linear::gram::GramStructure;
@@ -8,20 +8,25 @@ use super::condition::{Condition, Equation};
 use crate::progress::Watch;
 use crate::util::csr::Csr;
 
-/// Largest number of Gauss-Newton steps. Moves are small against edges, so that three or four are usual.
+/// Largest number of steps. Moves are small against edges, so that three or four are usual.
 const MAX_STEPS: usize = 24;
 
-/// Damping of the normal equations, as a fraction of their largest diagonal entry. Equations may repeat each other, so that
-/// the matrix is singular without it.
-const DAMPING_RATIO: f64 = 1e-12;
+/// Least damping of the normal equations, as a fraction of their largest diagonal entry. Equations may repeat each other, so
+/// that the matrix is singular without it.
+const MIN_DAMPING_RATIO: f64 = 1e-12;
 
 /// Moves the points until the conditions hold within `exact` (a length), or further steps lead no nearer. Equations that
-/// hold already do not move anything by themselves. Each step is the least (in the sum of squares) that fulfils the
-/// linearised equations. Returns `None` once the watch is over, or if there are too many equations.
+/// hold already do not move anything by themselves. Each step is nearly the least (in the sum of squares) that fulfils
+/// the linearised equations. Returns `None` once the watch is over, or if there are too many equations.
+///
+/// Some equations follow from others where all hold, as those of the vertices round a face. Beside that place their
+/// gradients differ, by about the ratio of what is off to the length of an `edge`. Damping by the square of that ratio
+/// keeps such differences from counting: without it, vertices would move by many times what is off.
 pub(super) fn fulfil(
     conditions: &[Condition],
     mut points: Vec<Vector2<f64>>,
     exact: f64,
+    edge: f64,
     watch: Watch<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
     let equations_at = |points: &[Vector2<f64>]| -> Vec<Equation> {
@@ -49,7 +54,8 @@ pub(super) fn fulfil(
             Some(steps) => steps,
             steps => steps.insert(LeastSteps::new(&equations, points.len())?),
         };
-        let step = steps.step(&equations, watch)?;
+        let damping = (most / edge).powi(2).max(MIN_DAMPING_RATIO);
+        let step = steps.step(&equations, damping, watch)?;
         let steps = step.chunks_exact(2).map(|by| Vector2::new(by[0], by[1]));
         points
             .iter_mut()
@@ -84,8 +90,8 @@ impl LeastSteps {
         })
     }
 
-    /// Returns the least step, two coordinates for each point.
-    fn step(&mut self, equations: &[Equation], watch: Watch<'_>) -> Option<Vec<f64>> {
+    /// Returns the least step, two coordinates for each point. `damping` is a fraction of the largest diagonal entry.
+    fn step(&mut self, equations: &[Equation], damping: f64, watch: Watch<'_>) -> Option<Vec<f64>> {
         let Self {
             gram,
             factor,
@@ -105,7 +111,7 @@ impl LeastSteps {
                 step[2 * vertex + 1] -= term.y * equation.off;
             }
         }
-        let damping = DAMPING_RATIO * gram.max_diagonal(values);
+        let damping = damping * gram.max_diagonal(values);
         let is_over = || watch.is_over();
         if !gram.symbolic.factorise(values, damping, factor, &is_over) {
             return None;

@@ -42,7 +42,11 @@ pub(super) fn conditions(
         for line in &lines {
             let ends = line.ends();
             let inner = &line.vertices[1..line.vertices.len() - 1];
-            conditions.extend(inner.iter().map(|&at| Condition::InLine { ends, at }));
+            conditions.extend(inner.iter().map(|&at| Condition::InLine {
+                ends,
+                at,
+                creases: Vec::new(),
+            }));
         }
         let longest = lines.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let Some(longest) = longest.map(Line::ends) else {

@@ -3,12 +3,14 @@
 //!
 //! People draw to about a thousandth of a line, and programs write a few digits. Creases that miss each other by so
 //! little lock a sheet of rigid panels. The moves are the least, in the sum of their squares, that fulfil all conditions
-//! at once.
+//! at once. A fold through several layers is one line of the folded sheet: once every vertex folds flat, creases that
+//! nearly lie on one such line are laid on it as well.
 //!
 //! `symmetry` also restores stars whose coordinates are rounded. It turns the spokes of one star, for a planner that
 //! solves a sheet of its own; here the pattern itself changes, so that all stars and holes share their vertices.
 
 mod condition;
+mod layers;
 mod least_moves;
 mod lines;
 
@@ -173,9 +175,6 @@ fn least_moves(
     watch: Watch<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
     let drawn = pattern.vertices();
-    let coordinates = drawn.iter().map(|point| point.amax());
-    let size = coordinates.fold(diagonal(drawn), f64::max);
-    let exact = EXACT_RATIO * size;
     let ends = |edge: &Edge| edge.ends.map(|end| places[end.index()]);
     let mut known = HashSet::new();
     let edges = (0..).map(EdgeId).zip(pattern.edges());
@@ -183,22 +182,96 @@ fn least_moves(
     let lines = lines.map(|(_, edge)| ends(edge));
     let lines = lines.filter(|&[a, b]| known.insert([a.min(b), a.max(b)]));
     let mut conditions = lines::conditions(drawn, &lines.collect::<Vec<_>>(), reach);
-    if pattern.edges().iter().all(folds_flat) {
+    let folds_flat = pattern.edges().iter().all(folds_flat);
+    if folds_flat {
         conditions.extend(flat_foldings(pattern, ends));
     } else {
         // The designer of such a sheet turned lines on purpose.
         conditions.retain(|it| !matches!(it, Condition::Parallel { .. }));
     }
     conditions.retain(|it| it.is_meant(drawn, reach));
+    let limits = Limits {
+        reach,
+        edge: pattern.median_edge(),
+    };
+    let moved = moved(drawn, conditions, limits, watch)?;
+    if !folds_flat {
+        return moved.vertices;
+    }
+    let vertices = moved.vertices.as_deref().unwrap_or(drawn);
+    let layers = layers::conditions(pattern, vertices, ends, reach);
+    if layers.is_empty() {
+        return moved.vertices;
+    }
+    with_layers(drawn, &moved, &layers, limits, watch).or(moved.vertices)
+}
+
+/// Returns the places of vertices after the least moves that lay creases of different layers on one line as well. If lines
+/// that are parallel by chance are in the way, they are given up.
+fn with_layers(
+    drawn: &[Vector2<f64>],
+    before: &Moved,
+    layers: &[Condition],
+    limits: Limits,
+    watch: Watch<'_>,
+) -> Option<Vec<Vector2<f64>>> {
+    let is_parallel = |it: &&Condition| matches!(it, Condition::Parallel { .. });
+    let all = before.conditions.iter();
+    let without = all.clone().filter(|it| !is_parallel(it));
+    let tries: [Vec<&Condition>; 2] = [all.collect(), without.collect()];
+    let mut first = None;
+    for conditions in tries {
+        let conditions = conditions.into_iter().chain(layers).cloned().collect();
+        let Some(tried) = moved(drawn, conditions, limits, watch) else {
+            continue;
+        };
+        if layers.iter().all(|layer| tried.conditions.contains(layer)) {
+            return tried.vertices;
+        }
+        first = first.or(tried.vertices);
+    }
+    first
+}
+
+/// Lengths that limit how vertices are moved.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Farthest move of a vertex.
+    reach: f64,
+    /// Length of an edge, to which moves are small.
+    edge: f64,
+}
+
+/// Vertices that were moved, and the conditions that hold then.
+struct Moved {
+    /// `None` if nothing had to be moved.
+    vertices: Option<Vec<Vector2<f64>>>,
+    conditions: Vec<Condition>,
+}
+
+/// Moves vertices by the least, none of them beyond the reach, so that as many of the conditions hold as can at once. Returns
+/// `None` if no such moves are found.
+fn moved(
+    drawn: &[Vector2<f64>],
+    mut conditions: Vec<Condition>,
+    Limits { reach, edge }: Limits,
+    watch: Watch<'_>,
+) -> Option<Moved> {
+    let coordinates = drawn.iter().map(|point| point.amax());
+    let size = coordinates.fold(diagonal(drawn), f64::max);
+    let exact = EXACT_RATIO * size;
     let is_off = |it: &Condition, points: &[Vector2<f64>], within: f64| {
         let equations = it.equations(points);
         equations.iter().any(|equation| equation.off.abs() > within)
     };
     for _ in 0..MAX_ROUNDS {
         if !conditions.iter().any(|it| is_off(it, drawn, exact)) {
-            return None;
+            return Some(Moved {
+                vertices: None,
+                conditions,
+            });
         }
-        let vertices = fulfil(&conditions, drawn.to_vec(), exact, watch)?;
+        let vertices = fulfil(&conditions, drawn.to_vec(), exact, edge, watch)?;
         let moves: Vec<f64> = vertices
             .iter()
             .zip(drawn)
@@ -218,7 +291,11 @@ fn least_moves(
             conditions.retain(|it| it.rank() != first || !contradicts(it));
             continue;
         }
-        return moves.iter().all(|by| *by <= reach).then_some(vertices);
+        let is_near = moves.iter().all(|by| *by <= reach);
+        return is_near.then_some(Moved {
+            vertices: Some(vertices),
+            conditions,
+        });
     }
     None
 }

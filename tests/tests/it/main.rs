@@ -20,6 +20,7 @@ mod exact;
 mod external;
 mod firmware;
 mod fold_spec;
+mod folded_by_hand;
 mod image;
 mod meshes;
 mod networks;

@@ -460,3 +460,28 @@ fn broken_opx_files_are_refused() {
         }
     }
 }
+
+/// Creases that miss a vertex by a little more than the tolerance are named with place and distance. The hint on a no names
+/// the tolerance that joins them, with which the sheet is planned. Creases far from each other are not named.
+#[test]
+fn creases_that_miss_each_other_are_named_with_the_tolerance_that_joins_them() {
+    let square = "1 0 0 400 0\n1 400 0 400 400\n1 400 400 0 400\n1 0 400 0 0\n";
+    // Folded twice through all layers, with one digit.
+    let creases = "2 0 364.7 279.7 0\n3 92 244.6 400 287.8\n2 0 27.9 92 244.6\n";
+    let folder = folder();
+    folder.write("twice.cp", &format!("{square}{creases}"));
+    let answer = folder.run("plan twice.cp").with_status(1);
+    let note = "lines that pass near each other without meeting: 2 places, the nearest 8.6e-2 apart at (92, 244.6); a \
+                tolerance of 0.17 joins them";
+    assert!(answer.stderr.contains(note), "{}", answer.stderr);
+    let help = "help: `--tolerance 0.17` joins lines 8.6e-2 apart";
+    assert!(answer.stderr.contains(help), "{}", answer.stderr);
+    folder.done("plan twice.cp --tolerance 0.17");
+    folder.write(
+        "pleats.cp",
+        &format!("{square}3 0 100 400 100\n2 0 102 400 102\n"),
+    );
+    let answer = folder.run("info pleats.cp --json").json();
+    let assumptions = answer["assumptions"].to_string();
+    assert!(!assumptions.contains("near each other"), "{assumptions}");
+}

@@ -271,9 +271,9 @@ fn disturbed_drawings_are_planned_like_exact_ones() {
         let outcome = |options: &str| {
             let command = format!("plan drawing.cp --fold 0.5 --seed 1 --json {options}");
             let answer = folder.run(&command).json();
-            // A path that ends before its goal ends as far on as that of the exact drawing, in hundredths of the way.
-            let reached = (100.0 * answer["reached"].as_f64().unwrap()).round();
-            (answer["outcome"].clone(), reached.to_string())
+            // A path that ends before its goal leaves the same creases flat. The lines of the bird base that turn alone may
+            // turn beyond the angle asked for, so that `reached` is another, for some disturbances and not for others.
+            (answer["outcome"].clone(), answer["reason"].clone())
         };
         folder.write("drawing.cp", &cp(&drawing, 0.0, &mut rng));
         let expected = outcome("");

@@ -161,7 +161,7 @@ pub(super) fn join_to_lines(
 }
 
 /// Returns the distance of a point from a line.
-fn distance([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> f64 {
+pub(super) fn distance([a, b]: [Vector2<f64>; 2], point: Vector2<f64>) -> f64 {
     let (along, aside, length) = foot([a, b], point);
     if along <= 0.0 {
         (point - a).norm()

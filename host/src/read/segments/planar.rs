@@ -10,6 +10,7 @@ use robust::{Coord, orient2d};
 
 use super::grid::Grid;
 use super::missing_border::missing_borders;
+use super::near_lines::misses;
 use super::open_ends::{
     LineReach, MAX_OF_DIAGONAL_RATIO, join_to_lines, join_to_vertices, remove_open,
 };
@@ -120,6 +121,7 @@ pub(super) fn planar(
         MAX_OF_DIAGONAL_RATIO * diagonal,
     );
     [repairs.slits, repairs.removed] = remove_open(&places.points, &mut pieces);
+    repairs.misses = misses(&places.points, &pieces, usual, &mut looks);
     Some((drawing(&places.points, pieces), repairs))
 }
 

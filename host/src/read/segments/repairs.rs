@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use super::missing_border::MissingBorder;
+use super::near_lines::Misses;
 use super::open_ends::Removed;
 use super::perforation::Perforations;
 use crate::pattern::rounded;
@@ -45,6 +46,8 @@ pub(super) struct Repairs {
     pub(super) slits: Option<Removed>,
     /// Other lines that were removed because they end in the open.
     pub(super) removed: Option<Removed>,
+    /// Vertices that are left near a line without meeting it.
+    pub(super) misses: Option<Misses>,
     /// Points within this distance of each other are one place.
     pub(super) tolerance: f64,
     /// The tolerance that follows from the lines.
