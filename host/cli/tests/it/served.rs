@@ -1,9 +1,11 @@
 //! Tests of `foldpath sim`: a controller over TCP that keeps what a client has left.
 
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 
 use foldpath_test_support::Folder;
+use serde_json::Value;
 
 use crate::common::{folder, folder_with_path};
 
@@ -74,4 +76,47 @@ fn an_address_that_cannot_be_had_is_told() {
         answer.begins("--listen nowhere: expected HOST:PORT or PORT"),
         "{answer:?}"
     );
+}
+
+/// A client that was written from `firmware-sim/PROTOCOL.md` alone, without any code of this repository. The Python that runs
+/// it is named by `FOLDPATH_PYTHON`.
+#[test]
+fn a_client_of_the_specification_alone_folds_a_sheet() {
+    let Some(python) = std::env::var_os("FOLDPATH_PYTHON") else {
+        println!("skipped: FOLDPATH_PYTHON is not set");
+        return;
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = folder();
+    folder.done("generate miura --rows 3 --cols 3 -o miura.fold");
+    folder.done("plan miura.fold --max-speed 90 -o path.fold");
+    folder.done("export path.fold --to traj -o path.traj");
+    folder.write("lab.key", &"5a".repeat(16));
+    let client = |arguments: &[&str]| {
+        let answer = Command::new(&python)
+            .arg(root.join("tests/protocol/client.py"))
+            .args(arguments)
+            .current_dir(folder.path(""))
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&answer.stdout).into_owned();
+        assert!(answer.status.success(), "{arguments:?}: {answer:?}");
+        text
+    };
+    let specification = root.join("firmware-sim/PROTOCOL.md");
+    client(&["--self-test", specification.to_str().unwrap()]);
+    for (key, more) in [
+        ("", vec![]),
+        ("--key lab.key", vec!["--hold-after", "0.5"]),
+        ("--key lab.key", vec!["--drop", "0.05", "--seed", "3"]),
+    ] {
+        let server = Server::start(&folder, key);
+        let mut arguments = vec!["path.traj", &server.address];
+        arguments.extend(key.split_whitespace());
+        arguments.extend(more);
+        let json: Value = serde_json::from_str(&client(&arguments)).unwrap();
+        assert_eq!(json["outcome"], "done", "{arguments:?}: {json}");
+        let closure = json["largest_closure"].as_f64().unwrap();
+        assert!(closure < 1e-5, "{json}");
+    }
 }
