@@ -40,6 +40,8 @@ pub struct Options {
     pub max_retry: u64,
     /// Longest time between two frames, if the last frame was answered.
     pub alive: u64,
+    /// Round trip from which on a line counts as slow: its buffers may fill.
+    pub slow_trip: u64,
     /// Time after which the host gives up if no report has told that one more of its frames has come.
     pub silence: u64,
 }
@@ -51,6 +53,7 @@ impl Default for Options {
             retry: 30_000,
             max_retry: 500_000,
             alive: 200_000,
+            slow_trip: 5_000,
             silence: 5_000_000,
         }
     }
@@ -114,8 +117,6 @@ impl core::error::Error for Failure {}
 /// Time by which a round trip may be longer than the shortest one, microseconds, because items wait in a buffer of the line: a
 /// command waits as long.
 const MAX_QUEUED_US: u64 = 200_000;
-/// Round trip from which on a line counts as slow, microseconds: its buffers may fill.
-const SLOW_TRIP_US: u64 = 5_000;
 /// Least and largest window, bytes.
 const WINDOW_BYTES: [u64; 2] = [64, 1 << 20];
 
@@ -183,7 +184,7 @@ pub struct Sender {
     limit: u64,
     /// Item from which the last gap was sent again.
     rewound: Option<u64>,
-    /// `true` once a round trip took long, or if none was measured while greeting. Then bytes of items that may be under way
+    /// `true` once round trips take long. Then bytes of items that may be under way
     /// behind the first one (`window`), and bytes of the frame of the last item (`size`).
     slow: bool,
     window: u64,
@@ -205,6 +206,8 @@ pub struct Sender {
     /// Telemetry that has come since the host last told what it has seen: the lowest bits of its time, and the number of its
     /// groups that have come.
     seen: Option<(u32, u16)>,
+    /// Time when the host last told it, microseconds.
+    told: Option<u64>,
     /// Newest epoch that the controller has told.
     epoch: u8,
     number: u8,
@@ -242,6 +245,7 @@ impl Sender {
             answered: false,
             heard: None,
             seen: None,
+            told: None,
             epoch: 0,
             number: 0,
             pending: None,
@@ -385,10 +389,9 @@ impl Sender {
             self.phase = Phase::Greeting;
         }
         let (session, message) = self.message(now, source, scratch)?;
-        self.sent = Some(now);
         // What was seen has no answer.
         if !matches!(message, ToDevice::Seen { .. }) {
-            self.answered = false;
+            (self.sent, self.answered) = (Some(now), false);
             self.asked = self.asked.or(Some(now));
         }
         let length = frame::write(self.options.node, session, &message, buffer)?;
@@ -439,6 +442,7 @@ impl Sender {
             return None;
         }
         if let Some((time, groups)) = self.seen.take() {
+            self.told = Some(now);
             return Some((self.session, ToDevice::Seen { time, groups }));
         }
         if self.phase == Phase::Open
@@ -449,10 +453,12 @@ impl Sender {
         let pace = if self.phase == Phase::Open && self.answered {
             alive
         } else {
-            // The controller holds if it hears nothing for a while, and a short frame costs little.
-            retry.min(alive / 4)
+            // The controller holds if it hears nothing for a while, and a short frame costs little where the line is fast.
+            retry.min(if self.slow { alive } else { alive / 4 })
         };
-        (since(self.sent) >= pace).then_some((self.session, ToDevice::Alive))
+        // A controller that was told what was seen has heard the host, and has not answered.
+        let due = since(self.sent) >= alive || since(self.sent.max(self.told)) >= pace;
+        due.then_some((self.session, ToDevice::Alive))
     }
 
     /// Returns the item to send at `now`.
@@ -522,13 +528,11 @@ impl Sender {
                 (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
                 self.epoch = epoch;
                 self.capacity = Some(capacity);
-                if let Some(greeted_at) = self.greeted_at.filter(|_| self.trips.repeated == 0) {
-                    let time = now.saturating_sub(greeted_at);
+                let time = now.saturating_sub(self.greeted_at.unwrap_or(now));
+                if self.trips.repeated == 0 {
                     self.trips.measure(time);
-                    self.slow = time >= SLOW_TRIP_US;
-                } else {
-                    self.slow = true;
                 }
+                self.slow = time >= self.options.slow_trip;
                 // The controller has to know before it sends telemetry.
                 self.seen = self.slow.then_some((0, 0));
             }
@@ -564,7 +568,9 @@ impl Sender {
 
     /// Notes whether the line is slow. Doubles the window if little waited on the line in this round trip, and otherwise halves it.
     fn widen(&mut self, trip: u64) {
-        self.slow |= trip >= SLOW_TRIP_US;
+        self.slow |= self
+            .round_trip()
+            .is_some_and(|mean| mean >= self.options.slow_trip);
         let [least, most] = WINDOW_BYTES;
         let shortest = self.trips.least.unwrap_or(trip);
         self.window = if trip <= shortest + MAX_QUEUED_US {

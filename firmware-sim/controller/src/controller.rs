@@ -33,7 +33,8 @@ const RESERVE_BYTES: usize = 4 * cobs::longest(64);
 /// Shortest time between two answers that are no reports, on a link with room for a key, microseconds. Otherwise greetings
 /// that somebody plays back would leave no room for telemetry, which is sent only while the line is free.
 const MIN_GREETING_US: u64 = 50_000;
-/// Longest wait for a host that tells what it has seen, microseconds: then its word or the telemetry was lost.
+/// Longest wait for a host that tells what it has seen, microseconds. After four times as long as the last one took, or then, its
+/// word or the telemetry was lost.
 const UNSEEN_US: u32 = 500_000;
 /// Group and sign with which [`Controller::drive`] drives a hinge alone that is none of the sheet's: a group that no sheet
 /// has.
@@ -136,11 +137,13 @@ pub struct Controller<
     asks: bool,
     /// `true` if the host of this session tells what it has seen.
     sees: bool,
-    asked: u64,
+    asked: u32,
     /// Time when telemetry was last sent (`posted`, lowest 32 bits), and microseconds from then on until more is sent
     /// (`pause`): 0 for a host that does not tell what it has seen.
     posted: u32,
     pause: u32,
+    /// Microseconds that the host takes at most to tell what it has seen, unless its word was lost.
+    patience: u32,
     /// Time of the last answer that was no report.
     greeted_at: Option<u64>,
     /// Time when sensors are looked at next.
@@ -202,6 +205,7 @@ impl<
             asked: 0,
             posted: 0,
             pause: 0,
+            patience: UNSEEN_US,
             greeted_at: None,
             looks: 0,
             snapshot: Snapshot::none(),
@@ -333,6 +337,7 @@ impl<
                 self.sees = true;
                 if newest == (time, groups.into()) {
                     self.pause = passed.saturating_mul(2).min(UNSEEN_US);
+                    self.patience = self.pause.saturating_mul(2).min(UNSEEN_US);
                 }
             }
             // A motion that is not at rest would have to hold at once, because its session ends.
@@ -545,7 +550,7 @@ impl<
     /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
     /// its time is dropped.
     fn tell(&mut self, now: u64, buffer: &mut [u8]) {
-        let tick = self.loader.follower.now();
+        let tick = low(self.loader.follower.now());
         if !self.asks {
             if low(now).wrapping_sub(self.posted) < self.pause {
                 return;
@@ -576,7 +581,7 @@ impl<
             }
             self.snapshot.sent();
             self.posted = low(now);
-            self.pause = if self.sees { UNSEEN_US } else { 0 };
+            self.pause = if self.sees { self.patience } else { 0 };
             if self.sees && !self.snapshot.is_sent() {
                 return;
             }
