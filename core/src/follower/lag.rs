@@ -24,7 +24,7 @@ pub(super) struct Lag<T> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LagWatch<T> {
     worst: [Lag<T>; MAX_REMEMBERED],
-    /// Hinge whose sensor tells no angle, if there is one. Of several, it is one.
+    /// A hinge whose sensor tells no angle, if there is one.
     failed: Option<u32>,
     /// `true` if a hinge is remembered.
     any: bool,

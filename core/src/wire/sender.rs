@@ -389,7 +389,7 @@ impl Sender {
             self.phase = Phase::Greeting;
         }
         let (session, message) = self.message(now, source, scratch)?;
-        // What was seen has no answer.
+        // The controller does not answer to what was seen.
         if !matches!(message, ToDevice::Seen { .. }) {
             (self.sent, self.answered) = (Some(now), false);
             self.asked = self.asked.or(Some(now));
@@ -454,7 +454,7 @@ impl Sender {
             alive
         } else {
             // The controller holds if it hears nothing for a while, and a short frame costs little where the line is fast.
-            retry.min(if self.slow { alive } else { alive / 4 })
+            retry.min(if self.slow { alive / 2 } else { alive / 4 })
         };
         // A controller that was told what was seen has heard the host, and has not answered.
         let due = since(self.sent) >= alive || since(self.sent.max(self.told)) >= pace;

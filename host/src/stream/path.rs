@@ -21,7 +21,7 @@ const SAME_ANGLE_RAD: f32 = 1e-6;
 const NEAREST_GRID: [f32; 9] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 /// Difference of distances from measured angles (radians) up to which two places are as near: less than sensors err.
 const SAME_PLACE_RAD: f32 = 0.005;
-/// The same before the places are refined.
+/// The same difference before the places are refined.
 const NEAREST_STEP_RAD: f32 = 0.2;
 
 /// The decoded content of a `.traj` file.
