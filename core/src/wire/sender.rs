@@ -53,7 +53,7 @@ impl Default for Options {
             retry: 30_000,
             max_retry: 500_000,
             alive: 200_000,
-            slow_trip: 5_000,
+            slow_trip: 10_000,
             silence: 5_000_000,
         }
     }
@@ -453,8 +453,10 @@ impl Sender {
         let pace = if self.phase == Phase::Open && self.answered {
             alive
         } else {
-            // The controller holds if it hears nothing for a while, and a short frame costs little where the line is fast.
-            retry.min(if self.slow { alive / 2 } else { alive / 4 })
+            // The controller holds if it hears nothing for a while, and a short frame costs little, unless the line is slower.
+            let often = alive / 4;
+            let longer = self.round_trip().map_or(self.slow, |mean| mean > often);
+            retry.min(if longer { 2 * often } else { often })
         };
         // A controller that was told what was seen has heard the host, and has not answered.
         let due = since(self.sent) >= alive || since(self.sent.max(self.told)) >= pace;
@@ -525,14 +527,15 @@ impl Sender {
                 if let Some(credentials) = &mut self.credentials {
                     credentials.welcome(nonce, offer);
                 }
-                (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
                 self.epoch = epoch;
                 self.capacity = Some(capacity);
-                let time = now.saturating_sub(self.greeted_at.unwrap_or(now));
+                // Of several greetings the last one may have been answered: a loss makes no line slow.
+                let time = now.saturating_sub(self.sent.unwrap_or(now));
                 if self.trips.repeated == 0 {
                     self.trips.measure(time);
                 }
                 self.slow = time >= self.options.slow_trip;
+                (self.phase, self.session, self.sent) = (Phase::Offered, offer, None);
                 // The controller has to know before it sends telemetry.
                 self.seen = self.slow.then_some((0, 0));
             }

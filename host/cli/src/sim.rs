@@ -1,9 +1,10 @@
 //! Runs `foldpath sim`, which serves a simulated controller over TCP.
 
+use core::time::Duration;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use foldpath::stream::Sim;
 

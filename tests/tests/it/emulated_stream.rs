@@ -139,7 +139,7 @@ fn a_board_follows_stops_goes_on_and_ends_with_its_host() {
         let folds = heard.last().is_some_and(|told| told.place.knot >= 3);
         if folds { Wish::Quit } else { Wish::Run }
     };
-    let (summary, heard) = session(&mut board, &bytes, (3, false), &quit);
+    let (summary, heard) = session(&mut board, &bytes, (1, false), &quit);
     assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
     assert_eq!(summary.reason, Some(Ending::Quit { reported: true }));
     let braking = heard
