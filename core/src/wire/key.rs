@@ -11,6 +11,8 @@ use core::fmt;
 
 use siphasher::sip::SipHasher24;
 
+use crate::wire::sequence::low_bits;
+
 /// Number of bytes of a counter and a tag.
 pub const TRAILER: usize = 12;
 
@@ -18,8 +20,7 @@ pub const TRAILER: usize = 12;
 /// bits are told.
 #[must_use]
 pub fn epoch(now: u64) -> u32 {
-    let [a, b, c, d, ..] = (now >> 21).to_le_bytes();
-    u32::from_le_bytes([a, b, c, d])
+    low_bits(now >> 21)
 }
 
 /// Returns the lowest 8 bits of an epoch.

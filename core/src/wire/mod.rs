@@ -26,3 +26,5 @@ pub mod receiver;
 pub mod sender;
 mod sequence;
 pub mod transmit;
+
+pub use sequence::low_bits;

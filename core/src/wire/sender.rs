@@ -12,7 +12,7 @@ use crate::wire::credentials::Credentials;
 use crate::wire::frame;
 use crate::wire::key::Key;
 use crate::wire::message::{Capacity, Command, Item, Report, SCHEMA, ToDevice, ToHost, VERSION};
-use crate::wire::sequence::wrapped;
+use crate::wire::sequence::{low_bits, wrapped};
 
 /// The items that are to be sent.
 pub trait Source {
@@ -184,8 +184,8 @@ pub struct Sender {
     limit: u64,
     /// Item from which the last gap was sent again.
     rewound: Option<u64>,
-    /// `true` once round trips take long. Then bytes of items that may be under way
-    /// behind the first one (`window`), and bytes of the frame of the last item (`size`).
+    /// `true` once round trips take long: then bytes of items that may be under way behind the first one (`window`), and bytes
+    /// of the frame of the last item (`size`).
     slow: bool,
     window: u64,
     size: u64,
@@ -529,7 +529,7 @@ impl Sender {
                 }
                 self.epoch = epoch;
                 self.capacity = Some(capacity);
-                // Of several greetings the last one may have been answered: a loss makes no line slow.
+                // The answer may be that to the last of several greetings: a loss makes no line slow.
                 let time = now.saturating_sub(self.sent.unwrap_or(now));
                 if self.trips.repeated == 0 {
                     self.trips.measure(time);
@@ -556,12 +556,8 @@ impl Sender {
                 angles,
                 ..
             } if self.slow => {
-                let [a, b, c, d, ..] = time.to_le_bytes();
                 let groups = u16::try_from(angles.len() / 4).unwrap_or(u16::MAX);
-                self.seen = Some((
-                    u32::from_le_bytes([a, b, c, d]),
-                    first.saturating_add(groups),
-                ));
+                self.seen = Some((low_bits(time), first.saturating_add(groups)));
             }
             ToHost::Telemetry { .. } | ToHost::Measured { .. } => {}
         }

@@ -10,6 +10,7 @@ use foldpath_core::follower::{
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
+use foldpath_core::wire::low_bits;
 use foldpath_core::wire::message::{Capacity, Command, ItemRefusal, Report, ToHost};
 use foldpath_core::wire::protection::{Keyed, Protection, Unkeyed};
 use foldpath_core::wire::receiver::{Event, Identity, Receiver};
@@ -332,8 +333,8 @@ impl<
             Event::Alive => {}
             // On a slow line the next telemetry waits for as long again, so that it takes no more than half of the line.
             Event::Seen(time, groups) => {
-                let newest = (low(self.snapshot.time), self.snapshot.told());
-                let passed = low(now).wrapping_sub(self.posted);
+                let newest = (low_bits(self.snapshot.time), self.snapshot.told());
+                let passed = low_bits(now).wrapping_sub(self.posted);
                 self.sees = true;
                 if newest == (time, groups.into()) {
                     self.pause = passed.saturating_mul(2).min(UNSEEN_US);
@@ -459,7 +460,7 @@ impl<
         } = &mut self.loader;
         let window = &mut self.window;
         window.begin(jog.hinge());
-        let told = window.hinges();
+        let first = window.first();
         let (alone, mut newest) = (jog.target(), None);
         let noting = |hinge, membership, target| {
             let Some(place) = window.place(hinge) else {
@@ -476,8 +477,8 @@ impl<
         follower.drive_from(0, hinges, noting);
         window.end(newest.is_some(), count);
         if jog.hinge().is_some() {
-            if count <= told.start {
-                newest = drive(number(told.start), ALONE, alone);
+            if count <= first {
+                newest = drive(number(first), ALONE, alone);
             }
             jog.measure(newest);
             window.narrow(jog, self.settings.follower.fresh);
@@ -550,9 +551,9 @@ impl<
     /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
     /// its time is dropped.
     fn tell(&mut self, now: u64, buffer: &mut [u8]) {
-        let tick = low(self.loader.follower.now());
+        let tick = low_bits(self.loader.follower.now());
         if !self.asks {
-            if low(now).wrapping_sub(self.posted) < self.pause {
+            if low_bits(now).wrapping_sub(self.posted) < self.pause {
                 return;
             }
             let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
@@ -580,7 +581,7 @@ impl<
                 continue;
             }
             self.snapshot.sent();
-            self.posted = low(now);
+            self.posted = low_bits(now);
             self.pause = if self.sees { self.patience } else { 0 };
             if self.sees && !self.snapshot.is_sent() {
                 return;
@@ -596,12 +597,6 @@ impl<
         let piece = self.snapshot.message();
         piece.or_else(|| self.window.message(self.snapshot.time))
     }
-}
-
-/// Returns the lowest 32 bits of a time.
-fn low(time: u64) -> u32 {
-    let [a, b, c, d, ..] = time.to_le_bytes();
-    u32::from_le_bytes([a, b, c, d])
 }
 
 /// Returns the number of a hinge; those that are sent have 16 bits.

@@ -1,7 +1,5 @@
 //! Measured angles for telemetry: a window of hinges that goes round the sheet, so that no board needs memory for all.
 
-use core::ops::Range;
-
 use foldpath_core::wire::message::ToHost;
 
 use crate::jog::Jog;
@@ -45,10 +43,9 @@ impl Window {
         self.target = None;
     }
 
-    /// Returns the numbers of the window's hinges, which the sheet may not have.
-    pub(crate) fn hinges(&self) -> Range<usize> {
-        let first = usize::from(self.first);
-        first..first + usize::from(self.count)
+    /// Returns the number of the window's first hinge, which the sheet may not have.
+    pub(crate) fn first(&self) -> usize {
+        self.first.into()
     }
 
     /// Returns the place for the angle of a hinge, if the hinge is in the window.

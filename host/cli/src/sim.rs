@@ -9,6 +9,7 @@ use std::time::Instant;
 use foldpath::stream::Sim;
 
 use crate::args::Served;
+use crate::link::with_host;
 use crate::{Answer, CliError, key, print};
 
 /// Time between two looks at the connection: a fraction of the controller's tick of 1 ms.
@@ -47,10 +48,7 @@ pub(crate) fn run(args: &Served, quiet: bool) -> Answer {
 
 /// Listens at `HOST:PORT`, or at a port of this machine alone.
 fn bind(address: &str) -> io::Result<TcpListener> {
-    let listener = match address.parse::<u16>() {
-        Ok(port) => TcpListener::bind(("127.0.0.1", port))?,
-        Err(_) => TcpListener::bind(address)?,
-    };
+    let listener = TcpListener::bind(with_host(address))?;
     listener.set_nonblocking(true)?;
     Ok(listener)
 }

@@ -246,12 +246,12 @@ fn drawn(text: &str) -> Result<Drawn, Wrong> {
     let mut hidden = None;
     if hidden::may_hide(text) {
         let all = resolved(&document, &format!("{UNUSED} {}", hidden::SHOWN))?;
-        let [all, shown] = [&all, &tree].map(|tree| hidden::stroked_shapes(tree.root()));
+        let [all, shown] = [&all, &tree].map(|tree| shown_strokes(tree.root()).len());
         hidden = (all > shown).then(|| hidden::in_words(&document, all - shown));
     }
     let mut codes = Codes::default();
     if alpha::has_alpha(text) {
-        let (encoded, found) = alpha::encoded(text, &colours(tree.root()));
+        let (encoded, found) = alpha::encoded(text, &colours(&shown_strokes(tree.root())));
         let document = roxmltree::Document::parse_with_options(&encoded, parsing());
         if let Ok(document) = document {
             tree = resolved(&document, UNUSED)?;
@@ -307,24 +307,28 @@ fn resolving<'a>(style: &str) -> Options<'a> {
     }
 }
 
-/// Returns the colours of all strokes.
-fn colours(root: &Group) -> HashSet<[u8; 3]> {
-    let (mut colours, mut open) = (HashSet::new(), vec![root]);
+/// Returns the strokes of all shapes that are shown, in any order.
+fn shown_strokes(root: &Group) -> Vec<&usvg::Stroke> {
+    let (mut strokes, mut open) = (Vec::new(), vec![root]);
     while let Some(group) = open.pop() {
         for node in group.children() {
             match node {
                 Node::Group(group) => open.push(group),
-                Node::Path(path) => {
-                    let paint = path.stroke().map(usvg::Stroke::paint);
-                    if let Some(Paint::Color(c)) = paint {
-                        colours.insert([c.red, c.green, c.blue]);
-                    }
-                }
+                Node::Path(path) if path.is_visible() => strokes.extend(path.stroke()),
                 _ => {}
             }
         }
     }
-    colours
+    strokes
+}
+
+/// Returns the colours of some strokes.
+fn colours(strokes: &[&usvg::Stroke]) -> HashSet<[u8; 3]> {
+    let colour = |stroke: &&usvg::Stroke| match stroke.paint() {
+        Paint::Color(c) => Some([c.red, c.green, c.blue]),
+        _ => None,
+    };
+    strokes.iter().filter_map(colour).collect()
 }
 
 /// The lines of one stroked path.

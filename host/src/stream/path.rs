@@ -195,8 +195,8 @@ impl StreamPath {
     }
 
     /// Returns the place of the path that is nearest to these measured angles of the hinges (radians, NaN for none): where the
-    /// group that is farthest from the mean of its hinges is nearest to it. Of places that are as near, it is the one nearest to
-    /// `told`. `None` if no hinge was measured.
+    /// group that is farthest from the mean of its hinges is nearest to it. It is the place nearest to `told` if
+    /// others are as near. `None` if no hinge was measured.
     #[must_use]
     pub fn nearest(
         &self,

@@ -39,7 +39,7 @@ pub(super) struct SurfaceEdge {
 impl SurfaceEdge {
     /// Returns both sides, unless the edge is a boundary or a cut.
     pub(super) fn joint(&self) -> Option<[Side; 2]> {
-        let cut = matches!(self.letter, Some(Letter::Boundary | Letter::Cut));
+        let cut = self.letter.is_some_and(Letter::parts);
         match self.sides {
             [Some(a), Some(b)] if !cut => Some([a, b]),
             _ => None,

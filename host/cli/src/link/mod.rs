@@ -5,3 +5,4 @@ mod wire;
 
 pub use emulator::{Emulator, default_image};
 pub use wire::Wire;
+pub(crate) use wire::with_host;

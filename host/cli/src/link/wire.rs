@@ -32,17 +32,21 @@ impl<S> Wire<S> {
     }
 }
 
+/// Returns an address with its host, which is this machine for a port alone.
+pub(crate) fn with_host(address: &str) -> String {
+    match address.parse::<u16>() {
+        Ok(port) => format!("127.0.0.1:{port}"),
+        Err(_) => address.into(),
+    }
+}
+
 impl Wire<TcpStream> {
     /// Connects to `HOST:PORT`, or to a port of this machine.
     ///
     /// # Errors
     /// If nobody answers at the address.
     pub fn connect(address: &str) -> io::Result<Self> {
-        let stream = match address.parse::<u16>() {
-            Ok(port) => TcpStream::connect(("127.0.0.1", port))?,
-            Err(_) => TcpStream::connect(address)?,
-        };
-        Self::over(stream)
+        Self::over(TcpStream::connect(with_host(address))?)
     }
 
     /// Makes a line of an open connection.

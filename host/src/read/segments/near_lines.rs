@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use super::grid::Grid;
 use super::open_ends::distance;
 use super::planar::{Looks, line};
-use crate::pattern::{DrawnEdge, Letter};
+use crate::pattern::DrawnEdge;
 
 /// Largest distance of such a vertex from its line, in usual tolerances.
 const MAX_TOLERANCES: f64 = 10.0;
@@ -38,7 +38,7 @@ pub(super) fn misses(
     // Places at which no line ends any more do not count.
     let mut is_end = vec![false; points.len()];
     let mut is_crease_end = vec![false; points.len()];
-    let is_crease = |piece: &DrawnEdge| !matches!(piece.letter, Letter::Boundary | Letter::Cut);
+    let is_crease = |piece: &DrawnEdge| !piece.letter.parts();
     for piece in pieces {
         for end in piece.ends {
             is_end[end] = true;

@@ -306,10 +306,9 @@ fn slits(pieces: &[DrawnEdge], removed: &[bool], degrees: &[usize]) -> Vec<bool>
     }
     let mut is_held = vec![false; degrees.len()];
     for (_, piece) in gone() {
-        let is_crease = !matches!(piece.letter, Letter::Cut | Letter::Boundary);
         for end in piece.ends {
             let root = joined.find(end);
-            is_held[root] |= is_crease || degrees[end] > 0;
+            is_held[root] |= !piece.letter.parts() || degrees[end] > 0;
         }
     }
     let mut slits = vec![false; pieces.len()];

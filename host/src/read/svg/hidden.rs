@@ -1,6 +1,6 @@
 //! Shapes that are hidden, as those of layers that are not shown. They are no part of the drawing, and are told.
 
-use usvg::{Group, Node, roxmltree};
+use usvg::roxmltree;
 
 /// Style sheet that shows every shape.
 pub(super) const SHOWN: &str = "* { display: inline !important; visibility: visible !important }";
@@ -15,23 +15,6 @@ const MAX_NAME_CHARS: usize = 40;
 /// Returns `true` if a drawing may have hidden shapes.
 pub(super) fn may_hide(text: &str) -> bool {
     text.contains("display") || text.contains("visibility")
-}
-
-/// Returns the number of stroked shapes that are shown.
-pub(super) fn stroked_shapes(root: &Group) -> usize {
-    let (mut count, mut open) = (0, vec![root]);
-    while let Some(group) = open.pop() {
-        for node in group.children() {
-            match node {
-                Node::Group(group) => open.push(group),
-                Node::Path(path) => {
-                    count += usize::from(path.is_visible() && path.stroke().is_some());
-                }
-                _ => {}
-            }
-        }
-    }
-    count
 }
 
 /// Returns a number of hidden shapes, with the names of the elements that hide them.
