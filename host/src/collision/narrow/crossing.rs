@@ -112,6 +112,12 @@ impl Allowed {
         self.part_across(lean.least() / 2.0)
     }
 
+    /// Returns the extent up to which two pieces together may reach through a plane between them, given the sum of the
+    /// sines of the angles that the plane encloses with theirs.
+    pub(in crate::collision) fn across_both(self, lean: f64) -> f64 {
+        self.part_across(lean.min(1.0))
+    }
+
     /// Returns the least of these extents at any angle.
     fn least_across(self) -> f64 {
         self.part_across(MIN_LEAN)

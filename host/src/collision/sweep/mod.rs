@@ -30,6 +30,7 @@ pub(super) mod motion;
 mod pair_query;
 mod queue;
 mod sides;
+mod stall;
 mod touching;
 mod variation;
 mod verdict;
@@ -47,7 +48,6 @@ use self::comoving_faces::{ComovingNow, comoving_faces};
 use self::motion::{Motion, Tick};
 use self::queue::{Kind, Queue};
 use super::hierarchy::Hierarchy;
-use super::narrow::planes::{Change, Turn};
 use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};
 use super::pieces::{Contact, Pieces};
 use super::placed_pieces::PlacedPieces;
@@ -99,8 +99,6 @@ pub struct Sweep<'a> {
     turn: f64,
     /// Upper bound of the distance between any two points of the sheet; 0 along a lattice.
     length: f64,
-    turns: Vec<Turn>,
-    changes: Vec<Change>,
     queries: u64,
 }
 
@@ -156,8 +154,6 @@ impl<'a> Sweep<'a> {
                 0.0
             },
             length,
-            turns: Vec::new(),
-            changes: Vec::new(),
             queries: 0,
             options,
         }
@@ -266,14 +262,21 @@ impl<'a> Sweep<'a> {
             if self.is_spent() {
                 return Some(self.undecided(index, time));
             }
-            match self.query(index) {
+            let outcome = self.query(index);
+            if self.queue[index].stall.crosses && !matches!(outcome, QueryOutcome::Crossing(_)) {
+                return Some(self.undecided(index, time));
+            }
+            match outcome {
                 QueryOutcome::Free | QueryOutcome::Apart(..) => {}
                 QueryOutcome::Until(later) => {
-                    self.queue[index].last = Some(time);
-                    if later >= self.queue[index].end {
-                        continue;
+                    let Some(later) = self.past_stall(index, later) else {
+                        return Some(self.undecided(index, time));
+                    };
+                    let pair = &mut self.queue[index];
+                    pair.last = Some(time);
+                    if later < pair.end || pair.stall.crosses {
+                        self.queue.put(index, later);
                     }
-                    self.queue.put(index, later);
                 }
                 QueryOutcome::Again => {
                     due.push(index);

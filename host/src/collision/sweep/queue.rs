@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::chains::Chain;
 use super::motion::Tick;
+use super::stall::Stall;
 use crate::collision::pairs::Batch;
 use crate::collision::sides::Side;
 use crate::pattern::FaceId;
@@ -25,6 +26,7 @@ pub(super) struct Pair {
     /// Set while one piece lies flat on the other: `true` if the second came from above the first, and `true`
     /// if the first came from above the second.
     pub(super) above: Option<[bool; 2]>,
+    pub(super) stall: Stall,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +73,7 @@ impl Queue {
             last: None,
             end: Tick::MAX,
             above: None,
+            stall: Stall::default(),
         });
         self.put(index, time);
         index

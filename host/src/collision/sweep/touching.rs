@@ -6,7 +6,8 @@ use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
 use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
-use crate::collision::tolerances::{MAX_TEAR_RATIO, TOUCHING_RATIO};
+use crate::collision::narrow::side_planes::SidePlanes;
+use crate::collision::tolerances::{MAX_TEAR_RATIO, SIDES_AFTER, TOUCHING_RATIO};
 
 impl Sweep<'_> {
     /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
@@ -106,32 +107,64 @@ impl Sweep<'_> {
         if until >= next || apart > TOUCHING_RATIO * allowed.largest() {
             return outcome;
         }
-        let parted = self.parted(index, allowed);
-        let mut groups: Vec<u32> = self.turns.iter().map(|turn| turn.group).collect();
+        let above = self.queue[index].above;
+        let turns = self.turns_between(index, allowed);
+        let [a, b] = self.queue[index].nodes;
+        let both = [([a, b], &turns[0]), ([b, a], &turns[1])];
+        let placed = self.sheet.placed();
+        let piece = |node: u32| placed.piece(node);
+        let planes = both
+            .iter()
+            .zip(above.map_or([None; 2], |above| above.map(Some)));
+        let planes: Vec<Parted> = planes
+            .flat_map(|(([a, b], turns), above)| {
+                parted(&piece(*a), &piece(*b), turns, above, allowed)
+            })
+            .collect();
+        let reached = self.held(&turns[0], [until, next], |changes| {
+            planes.iter().any(|plane| plane.holds(changes, allowed))
+        });
+        // Layers are kept apart by their planes, in the order in which they lie.
+        if reached >= next || above.is_some() || self.queue[index].stall.count < SIDES_AFTER {
+            return QueryOutcome::Until(reached);
+        }
+        let planes =
+            both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, allowed));
+        QueryOutcome::Until(self.held(&turns[0], [reached, next], |changes| {
+            planes.iter().any(|planes| planes.hold(changes, allowed))
+        }))
+    }
+
+    /// Returns the last of some times between two, at growing distances from the first, up to which the changes of the
+    /// groups from now on, by which pieces turn relative to each other, are as they have to be.
+    fn held(
+        &self,
+        turns: &[Turn],
+        [mut reached, next]: [Tick; 2],
+        holds: impl Fn(&[Change]) -> bool,
+    ) -> Tick {
+        let mut groups: Vec<u32> = turns.iter().map(|turn| turn.group).collect();
         groups.sort_unstable();
         groups.dedup();
-        let none = Change { by: 0.0, off: 0.0 };
-        self.changes.resize(self.groups, none);
-        let mut reached = until;
-        let motion = &self.sheet.motion;
-        for to in motion.halves(until, next) {
-            motion.changes(&groups, time, to, &mut self.changes);
-            let holds = |parted: &Parted| parted.holds(&self.changes, allowed);
-            if !parted.iter().any(holds) {
+        let mut changes = vec![Change { by: 0.0, off: 0.0 }; self.groups];
+        let (motion, time) = (&self.sheet.motion, self.sheet.time);
+        for to in motion.halves(reached, next) {
+            motion.changes(&groups, time, to, &mut changes);
+            if !holds(&changes) {
                 break;
             }
             reached = to;
         }
-        QueryOutcome::Until(reached)
+        reached
     }
 
-    /// Returns the planes that separate two pieces.
-    fn parted(&mut self, index: u32, allowed: Allowed) -> Vec<Parted> {
+    /// Returns the creases between the two pieces of a pair in the order in which they turn the second, seen from the
+    /// first, and those that turn the first, seen from the second.
+    fn turns_between(&mut self, index: u32, allowed: Allowed) -> [Vec<Turn>; 2] {
         let pair = &mut self.queue[index];
         let chain = self
             .approach
             .chain_within(&self.sheet, pair, allowed.largest());
-        let nodes = pair.nodes;
         let links = self.approach.chains.links(&chain);
         let mut places: Vec<_> = links
             .iter()
@@ -142,10 +175,9 @@ impl Sweep<'_> {
             .collect();
         places.sort_unstable();
         places.dedup();
-        self.turns.clear();
-        for (_, along, crease, group) in places {
+        let turns = places.into_iter().map(|(_, along, crease, group)| {
             let axis = self.sheet.axis(crease);
-            self.turns.push(Turn {
+            Turn {
                 group,
                 point: axis.point,
                 about: if along {
@@ -153,20 +185,16 @@ impl Sweep<'_> {
                 } else {
                     -axis.direction
                 },
-            });
-        }
-        let placed = self.sheet.placed();
-        let [a, b] = nodes.map(|node| placed.piece(node));
-        let above = self.queue[index].above;
-        let above = [0, 1].map(|k| above.map(|above| above[k]));
-        let mut all = parted(&a, &b, &self.turns, above[0], allowed);
+            }
+        });
+        let turns: Vec<_> = turns.collect();
         // Seen from the other end, creases come in reverse order and turn the other way.
-        self.turns.reverse();
-        for turn in &mut self.turns {
-            turn.about = -turn.about;
-        }
-        all.extend(parted(&b, &a, &self.turns, above[1], allowed));
-        all
+        let back = turns.iter().rev().map(|turn| Turn {
+            about: -turn.about,
+            ..*turn
+        });
+        let back = back.collect();
+        [turns, back]
     }
 
     /// Returns the depth up to which an overlap of the two pieces of a pair is contact. If they share a vertex, they have

@@ -1,0 +1,192 @@
+//! Bounds how long the plane through a side of each of two pieces in contact keeps the pieces apart.
+//!
+//! Where two sides cross in a point and slide along each other, no plane that is fixed to a piece separates the pieces
+//! for long: the one that does contains both sides, and turns with them. Seen from one piece, the corners of the other
+//! move along parabolas, up to an error of third order. Then the normal of the plane, which is the product of the
+//! directions of the two sides, is a polynomial of degree 2 in time, and the height of a corner over the plane one of
+//! degree 4, which is never below the least of its Bernstein coefficients.
+
+use nalgebra::Vector3;
+
+use super::crossing::{Allowed, ConvexPiece};
+use super::planes::{Change, Turn};
+use crate::collision::tolerances::MIN_LEAN;
+
+/// Bernstein coefficients of a polynomial of degree 2.
+type Quadratic = [Vector3<f64>; 3];
+
+/// Returns the Bernstein coefficients of the product of two polynomials of degree 2.
+fn product(a: &Quadratic, b: &Quadratic) -> [f64; 5] {
+    let dot = |i: usize, j: usize| a[i].dot(&b[j]);
+    [
+        dot(0, 0),
+        f64::midpoint(dot(0, 1), dot(1, 0)),
+        (dot(0, 2) + 4.0 * dot(1, 1) + dot(2, 0)) / 6.0,
+        f64::midpoint(dot(1, 2), dot(2, 1)),
+        dot(2, 2),
+    ]
+}
+
+/// A corner of the moving piece.
+#[derive(Clone, Debug)]
+struct Corner {
+    /// Position, relative to the first corner of the fixed piece.
+    at: Vector3<f64>,
+    /// Change of position per radian of each turn.
+    rates: Vec<Vector3<f64>>,
+}
+
+/// A corner of the moving piece over a step: where it is, up to an error.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    at: Quadratic,
+    error: f64,
+}
+
+/// The planes through a side of a fixed piece and a side of a moving one that separate the pieces.
+#[derive(Clone, Debug)]
+pub(in crate::collision) struct SidePlanes<'a> {
+    /// The turns, in order from the fixed piece.
+    turns: &'a [Turn],
+    normals: [Vector3<f64>; 2],
+    /// Corners of the fixed piece, relative to its first.
+    fixed: Vec<Vector3<f64>>,
+    moving: Vec<Corner>,
+    /// For each plane, the number of the side of each piece, and the sign of the product of their directions that leads
+    /// from the fixed piece to the moving one.
+    planes: Vec<([usize; 2], f64)>,
+}
+
+impl<'a> SidePlanes<'a> {
+    /// Returns the planes that have `piece` on one side and `other` on the other, up to contact. The turns lead from
+    /// `piece`, which is fixed, to `other`. Cost: O(product of corners).
+    pub(in crate::collision) fn of(
+        piece: &ConvexPiece<'_>,
+        other: &ConvexPiece<'_>,
+        turns: &'a [Turn],
+        allowed: Allowed,
+    ) -> Self {
+        let origin = piece.corners[0];
+        let corner = |at: &Vector3<f64>| {
+            let rates = turns
+                .iter()
+                .map(|turn| turn.about.cross(&(at - turn.point)));
+            Corner {
+                at: at - origin,
+                rates: rates.collect(),
+            }
+        };
+        let mut all = Self {
+            turns,
+            normals: [piece.normal, other.normal],
+            fixed: piece.corners.iter().map(|corner| corner - origin).collect(),
+            moving: other.corners.iter().map(corner).collect(),
+            planes: Vec::new(),
+        };
+        let steps: Vec<_> = all.moving.iter().map(Corner::at_rest).collect();
+        let sides = (0..all.fixed.len()).flat_map(|a| (0..steps.len()).map(move |b| [a, b]));
+        let planes = sides.flat_map(|sides| [(sides, 1.0), (sides, -1.0)]);
+        all.planes = planes
+            .filter(|plane| all.parts(plane, &steps, 0.0, allowed))
+            .collect();
+        all
+    }
+
+    /// Returns `true` if one of the planes keeps the pieces apart, up to contact, while the groups make these changes.
+    pub(in crate::collision) fn hold(&self, changes: &[Change], allowed: Allowed) -> bool {
+        if self.planes.is_empty() {
+            return false;
+        }
+        let changes = self.turns.iter().map(|turn| changes[turn.group as usize]);
+        let changes: Vec<_> = changes.collect();
+        let turn = changes.iter().map(|change| change.by.abs() + change.off);
+        let turn = turn.sum();
+        let corners = self.moving.iter();
+        let steps: Vec<_> = corners.map(|it| it.step(self.turns, &changes)).collect();
+        self.planes
+            .iter()
+            .any(|plane| self.parts(plane, &steps, turn, allowed))
+    }
+
+    /// Returns `true` if a plane has the pieces on its two sides all along a step over which the moving piece turns by
+    /// `turn` radians at most.
+    fn parts(
+        &self,
+        &([a, b], sign): &([usize; 2], f64),
+        steps: &[Step],
+        turn: f64,
+        allowed: Allowed,
+    ) -> bool {
+        let next = |k: usize, count: usize| if k + 1 < count { k + 1 } else { 0 };
+        let from = self.fixed[a];
+        let side = self.fixed[next(a, self.fixed.len())] - from;
+        let ends = [b, next(b, steps.len())].map(|k| steps[k].at);
+        let along: Quadratic = core::array::from_fn(|k| ends[1][k] - ends[0][k]);
+        let normals = along.map(|along| sign * side.cross(&along));
+        let [first, ..] = normals;
+        let away = normals.map(|normal| (normal - first).norm());
+        let away = away.into_iter().fold(0.0, f64::max);
+        let least = first.norm() - away;
+        // The planes of parallel sides may turn by any angle.
+        if least <= MIN_LEAN * side.norm() * along[0].norm() {
+            return false;
+        }
+        let turned = away / least;
+        let lean = |piece: usize, turned: f64| {
+            let sine = self.normals[piece].cross(&first).norm() / first.norm();
+            (sine - turned).max(0.0)
+        };
+        let depth = allowed.across_both(lean(0, turned) + lean(1, turned + turn));
+        let over = self
+            .fixed
+            .iter()
+            .flat_map(|corner| normals.map(|normal| normal.dot(&(corner - from))))
+            .fold(0.0, f64::max);
+        steps.iter().all(|step| {
+            let heights = product(&normals, &step.at.map(|at| at - from));
+            let low = heights.into_iter().fold(f64::INFINITY, f64::min) - over;
+            let spare = depth - step.error;
+            let length = if spare > 0.0 {
+                least
+            } else {
+                first.norm() + away
+            };
+            low >= -spare * length
+        })
+    }
+}
+
+impl Corner {
+    fn at_rest(&self) -> Step {
+        Step {
+            at: [self.at; 3],
+            error: 0.0,
+        }
+    }
+
+    /// Follows the corner over a step, given the change of each turn. With ω the direction of a turn times its change, the
+    /// outer before the inner, the position changes by the sum of the ω × r, by the sum of the ω × (ω' × r) of two turns,
+    /// half as much for one and the same, and by no more than a sixth of the product of three turns times the distance
+    /// from the crease of the innermost.
+    fn step(&self, turns: &[Turn], changes: &[Change]) -> Step {
+        let (mut by, mut bent) = (Vector3::zeros(), Vector3::zeros());
+        let (mut error, mut moved) = (0.0, 0.0);
+        let mut before: f64 = changes.iter().map(|change| change.by.abs()).sum();
+        for ((turn, change), rate) in turns.iter().zip(changes).zip(&self.rates).rev() {
+            let size = change.by.abs();
+            // What is within turns as one, so that it is moved by the sum of what each turn alone moves it.
+            let reach = rate.norm() + moved;
+            moved += (size + change.off) * rate.norm();
+            let rate = rate * change.by;
+            bent += change.by * turn.about.cross(&(by + rate / 2.0));
+            by += rate;
+            before -= size;
+            error += ((before + size).powi(3) - before.powi(3)) / 6.0 * reach;
+            error += change.off * reach;
+        }
+        Step {
+            at: [self.at, self.at + by / 2.0, self.at + by + bent],
+            error,
+        }
+    }
+}
