@@ -101,7 +101,7 @@ pub(super) const WAYS_AT_ONCE: usize = 1 << 12;
 
 /// Number of short steps of a pair in a row after which the planes through a side of each piece are tried.
 pub(super) const SIDES_AFTER: u32 = 8;
-/// Number of short steps of a pair in a row after which it is looked at ahead, and again after as many.
+/// Number of short steps of a pair in a row after which later times are looked at for a crossing, and again after as many.
 pub(super) const LOOK_AHEAD_AFTER: u32 = 1 << 10;
 /// Number of queries between two readings of the clock.
 pub(super) const QUERIES_PER_CLOCK: u64 = 256;

@@ -805,3 +805,54 @@ fn a_lattice_oblique_to_its_sheet_is_swept() {
     assert!(sampler.depth(&motion, at.segment, at.s + 1e-3) > 1e-4);
     assert!(sampler.depth(&motion, free.segment, free.s) < 1e-5);
 }
+
+/// Returns a square of side 2 with a strip on half of each side, at its right end seen from the middle. The strips are
+/// longer than half a side by `more`, and turned up together, so that the sides of neighbouring strips meet in a point if
+/// `more` is 0. The square is turned in its plane, so that places are rounded.
+fn pinwheel(random: &mut Pcg64, more: f64) -> (CreasePattern, Vec<Membership>) {
+    let (sin, cos) = uniform(random, [0.0, PI]).sin_cos();
+    let (mut vertices, mut edges) = (Vec::new(), Vec::new());
+    for k in 0..4 {
+        let length = uniform(random, [2.1, 4.0]);
+        let corners = [
+            [1.0, -1.0],
+            [1.0, more],
+            [1.0 + length, more],
+            [1.0 + length, -1.0],
+        ];
+        vertices.extend(corners.map(|[x, y]| {
+            let quarters = [[x, y], [-y, x], [-x, -y], [y, -x]];
+            let [x, y] = quarters[k];
+            [cos * x - sin * y, sin * x + cos * y]
+        }));
+        let [a, b, c, d] = core::array::from_fn(|corner| 4 * k + corner);
+        edges.extend([[a, b], [b, c], [c, d], [d, a], [b, (4 * k + 4) % 16]]);
+    }
+    drawn(&vertices, &edges)
+}
+
+/// Sides of strips that turn up together cross in a point, which slides along both from their ends on.
+#[test]
+fn sides_that_slide_along_each_other_take_few_queries() {
+    let mut random = Pcg64::new(4, 4);
+    for case in 0..10 {
+        for (more, crosses) in [(0.0, false), (-1e-3, false), (1e-3, true)] {
+            let sheet = pinwheel(&mut random, more);
+            let turn = line(0.0, uniform(&mut random, [150.0, 179.0]));
+            let alike = vec![vec![turn; 4]];
+            let mut sweep = Sweep::new(&sheet.0, &sheet.1, SweepOptions::default(), None);
+            let verdict = sweep.sweep(&alike);
+            assert_eq!(
+                matches!(verdict, SweepVerdict::Crossing { .. }),
+                crosses,
+                "{case} {more}: {verdict:?}"
+            );
+            assert!(
+                crosses || matches!(verdict, SweepVerdict::Free(_)),
+                "{case}: {verdict:?}"
+            );
+            let tested = sweep.counts().tested;
+            assert!(tested < 10_000, "{case} {more}: {tested}");
+        }
+    }
+}

@@ -190,3 +190,126 @@ impl Corner {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::narrow::crossing::crossing_depth;
+    use nalgebra::{Rotation3, Unit};
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    const WITHIN: f64 = 1e-6;
+
+    /// Returns a random number between -1 and 1.
+    fn noise(random: &mut Pcg64) -> f64 {
+        f64::from(random.next_u32()) / f64::from(u32::MAX / 2) - 1.0
+    }
+
+    fn vector(random: &mut Pcg64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| noise(random))
+    }
+
+    /// Returns a quadrilateral with a side through the origin, in a random direction, and its normal.
+    fn quadrilateral(random: &mut Pcg64) -> ([Vector3<f64>; 4], Vector3<f64>) {
+        let along = vector(random).normalize();
+        let normal = along.cross(&vector(random)).normalize();
+        let inwards = normal.cross(&along);
+        let [before, after] = [(); 2].map(|()| 0.2 + noise(random).abs());
+        let deep = 0.2 + noise(random).abs();
+        let corners = [
+            -before * along,
+            after * along,
+            after * along + deep * inwards,
+            -before * along + deep * inwards,
+        ];
+        (corners, normal)
+    }
+
+    fn rotated(turns: &[Turn], angles: &[f64], point: &Vector3<f64>) -> Vector3<f64> {
+        turns
+            .iter()
+            .zip(angles)
+            .rev()
+            .fold(*point, |at, (turn, angle)| {
+                let about = Unit::new_normalize(turn.about);
+                turn.point + Rotation3::from_axis_angle(&about, *angle) * (at - turn.point)
+            })
+    }
+
+    /// Pieces whose sides cross in a point, turned about the creases of random chains along random curves, do not cross
+    /// at any of many times of a step over which their planes hold. Where one piece slides along the other, the planes
+    /// hold for steps that are long for the depth of contact.
+    #[test]
+    fn pieces_do_not_cross_while_a_plane_through_their_sides_holds() {
+        let mut random = Pcg64::new(5, 1);
+        let allowed = Allowed {
+            within: WITHIN,
+            ..Allowed::NOTHING
+        };
+        let (mut held, mut long, mut crossed) = (0, 0, 0);
+        for round in 0..4000 {
+            let (a, a_normal) = quadrilateral(&mut random);
+            let (b, b_normal) = quadrilateral(&mut random);
+            let fixed = ConvexPiece {
+                corners: &a,
+                normal: a_normal,
+            };
+            let moving = ConvexPiece {
+                corners: &b,
+                normal: b_normal,
+            };
+            let slides = round % 2 == 0;
+            let count = if slides { 1 } else { 1 + round % 3 };
+            // About the fixed side, or in the plane of both sides through the point that they share, the moving side stays
+            // in contact.
+            let across = (a[1] - a[0]).cross(&(b[1] - b[0]));
+            let turns: Vec<_> = (0..count)
+                .map(|k| Turn {
+                    group: u32::try_from(k).unwrap(),
+                    point: if slides {
+                        Vector3::zeros()
+                    } else {
+                        vector(&mut random)
+                    },
+                    about: match round % 4 {
+                        0 => (a[1] - a[0]).normalize(),
+                        2 => across.normalize(),
+                        _ => vector(&mut random).normalize(),
+                    },
+                })
+                .collect();
+            let planes = SidePlanes::of(&fixed, &moving, &turns, allowed);
+            let size = 10_f64.powf(-4.0 * noise(&mut random).abs());
+            let changes: Vec<_> = (0..count)
+                .map(|_| Change {
+                    by: size * noise(&mut random),
+                    off: size * size * noise(&mut random).abs() * 1e-3,
+                })
+                .collect();
+            let holds = planes.hold(&changes, allowed);
+            held += u32::from(holds);
+            long += u32::from(holds && slides && changes[0].by.abs() > 5e-3);
+            for sample in 0..=40 {
+                let part = f64::from(sample) / 40.0;
+                let angle = |change: &Change| part * change.by + noise(&mut random) * change.off;
+                let angles: Vec<_> = changes.iter().map(angle).collect();
+                let corners = b.map(|corner| rotated(&turns, &angles, &corner));
+                let normal = (corners[1] - corners[0])
+                    .cross(&(corners[2] - corners[1]))
+                    .normalize();
+                let moved = ConvexPiece {
+                    corners: &corners,
+                    normal,
+                };
+                let depth = crossing_depth(&fixed, &moved, 1.01 * WITHIN);
+                crossed += u32::from(depth > 0.0);
+                assert!(!holds || depth <= 0.0, "{round} at {part}: {depth:e}");
+            }
+        }
+        assert!(
+            held > 500 && long > 100 && crossed > 5000,
+            "{held} {long} {crossed}"
+        );
+    }
+}

@@ -47,6 +47,7 @@ use self::approach::Approach;
 use self::comoving_faces::{ComovingNow, comoving_faces};
 use self::motion::{Motion, Tick};
 use self::queue::{Kind, Queue};
+use self::touching::Touch;
 use super::hierarchy::Hierarchy;
 use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};
 use super::pieces::{Contact, Pieces};
@@ -269,9 +270,7 @@ impl<'a> Sweep<'a> {
             match outcome {
                 QueryOutcome::Free | QueryOutcome::Apart(..) => {}
                 QueryOutcome::Until(later) => {
-                    let Some(later) = self.past_stall(index, later) else {
-                        return Some(self.undecided(index, time));
-                    };
+                    let later = self.past_stall(index, later);
                     let pair = &mut self.queue[index];
                     pair.last = Some(time);
                     if later < pair.end || pair.stall.crosses {
@@ -359,11 +358,12 @@ impl<'a> Sweep<'a> {
         {
             self.sheet.time = (free + high) / 2;
             self.sheet.put(pair.nodes);
-            let depth = self.sheet.depth(pair.nodes, self.allowed(&pair));
-            if depth > 0.0 {
-                (crossing, high) = (Crossing::new(found.faces, depth), self.sheet.time);
-            } else {
-                low = Some(self.sheet.time);
+            let time = self.sheet.time;
+            match self.touch(&pair, 0.0) {
+                Touch::Crosses(depth) | Touch::Through(depth) => {
+                    (crossing, high) = (Crossing::new(found.faces, depth), time);
+                }
+                Touch::Flat | Touch::Nowhere => low = Some(time),
             }
         }
         SweepVerdict::Crossing {

@@ -9,37 +9,71 @@ use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
 use crate::collision::narrow::side_planes::SidePlanes;
 use crate::collision::tolerances::{MAX_TEAR_RATIO, SIDES_AFTER, TOUCHING_RATIO};
 
+/// How two pieces touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Touch {
+    /// They cross to this depth.
+    Crosses(f64),
+    /// They lay flat on each other, and have left through each other; the larger of their heights over each other.
+    Through(f64),
+    /// They lie flat on each other.
+    Flat,
+    /// They do not cross, and do not lie flat on each other.
+    Nowhere,
+}
+
 impl Sweep<'_> {
-    /// Returns the depth to which two placed pieces cross. Pieces that lay flat on each other also cross if they have
-    /// left through each other, that is, if each is on the other side of the other than it came from; the depth is then
-    /// their larger height. While pieces lie flat on each other, stores the sides that they came from.
+    /// Returns the depth to which two placed pieces that are `apart` cross. While pieces lie flat on each other, stores the
+    /// sides that they came from.
     pub(super) fn crosses(&mut self, index: u32, pair: &Pair, apart: f64) -> Option<f64> {
-        let (nodes, allowed) = (pair.nodes, self.allowed(pair));
-        let tolerance = allowed.largest();
-        if apart <= tolerance {
-            let depth = self.sheet.depth(nodes, allowed);
-            if depth > 0.0 {
+        let tolerance = self.allowed(pair).largest();
+        let came = match self.touch(pair, apart) {
+            Touch::Crosses(depth) | Touch::Through(depth) => {
+                self.queue[index].above = pair.above;
                 return Some(depth);
             }
-        } else if pair.above.is_none() {
-            return None;
-        }
-        let heights = self.heights(nodes, tolerance)?;
-        let most = heights[0].abs().max(heights[1].abs());
-        if most > tolerance {
-            let mut sides = heights.into_iter().zip(pair.above?);
-            let through = sides.all(|(height, above)| (height > 0.0) != above);
-            return through.then_some(most);
-        }
-        let came = pair.above.or_else(|| {
-            let time = self.sheet.time;
-            let came = self.came_from(pair, [pair.last?, time], tolerance);
-            self.sheet.time = time;
-            self.sheet.put(nodes);
-            came
-        });
+            Touch::Nowhere => return None,
+            Touch::Flat => pair.above.or_else(|| {
+                let time = self.sheet.time;
+                let came = self.came_from(pair, [pair.last?, time], tolerance);
+                self.sheet.time = time;
+                self.sheet.put(pair.nodes);
+                came
+            }),
+        };
         self.queue[index].above = came;
         None
+    }
+
+    /// Returns how two placed pieces that are `apart` touch. Pieces that lay flat on each other have left through each other
+    /// if each is on the other side of the other than it came from.
+    pub(super) fn touch(&mut self, pair: &Pair, apart: f64) -> Touch {
+        let allowed = self.allowed(pair);
+        let tolerance = allowed.largest();
+        if apart <= tolerance {
+            let depth = self.sheet.depth(pair.nodes, allowed);
+            if depth > 0.0 {
+                return Touch::Crosses(depth);
+            }
+        } else if pair.above.is_none() {
+            return Touch::Nowhere;
+        }
+        let Some(heights) = self.heights(pair.nodes, tolerance) else {
+            return Touch::Nowhere;
+        };
+        let most = heights[0].abs().max(heights[1].abs());
+        if most <= tolerance {
+            return Touch::Flat;
+        }
+        let through = pair.above.is_some_and(|above| {
+            let mut sides = heights.into_iter().zip(above);
+            sides.all(|(height, above)| (height > 0.0) != above)
+        });
+        if through {
+            Touch::Through(most)
+        } else {
+            Touch::Nowhere
+        }
     }
 
     /// Finds by bisection from which sides two pieces came that lie flat on each other at the second time, and
