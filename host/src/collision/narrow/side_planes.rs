@@ -226,6 +226,19 @@ mod tests {
         (corners, normal)
     }
 
+    /// Returns a quadrilateral that is smaller by the depth of contact, and a little more for rounding, all round.
+    fn smaller(corners: [Vector3<f64>; 4], normal: Vector3<f64>) -> [Vector3<f64>; 4] {
+        core::array::from_fn(|k| {
+            let [before, at, after] = [3, 0, 1].map(|step| corners[(k + step) % 4]);
+            let [left, right] = [at - before, after - at].map(|side| side.normalize());
+            let inwards = [left, right].map(|side| normal.cross(&side));
+            // In the direction of a side, the offset of the other.
+            let along =
+                1.01 * WITHIN * (1.0 - inwards[0].dot(&inwards[1])) / inwards[0].dot(&right);
+            at + 1.01 * WITHIN * inwards[1] + along * right
+        })
+    }
+
     fn rotated(turns: &[Turn], angles: &[f64], point: &Vector3<f64>) -> Vector3<f64> {
         turns
             .iter()
@@ -237,8 +250,8 @@ mod tests {
             })
     }
 
-    /// Pieces whose sides cross in a point, turned about the creases of random chains along random curves, do not cross
-    /// at any of many times of a step over which their planes hold. Where one piece slides along the other, the planes
+    /// Pieces whose sides cross in a point, turned about the creases of random chains along random curves, are apart, once
+    /// they are smaller by the depth of contact, at many times of a step over which their planes hold. Where one piece slides along the other, the planes
     /// hold for steps that are long for the depth of contact.
     #[test]
     fn pieces_do_not_cross_while_a_plane_through_their_sides_holds() {
@@ -298,11 +311,13 @@ mod tests {
                 let normal = (corners[1] - corners[0])
                     .cross(&(corners[2] - corners[1]))
                     .normalize();
-                let moved = ConvexPiece {
-                    corners: &corners,
-                    normal,
-                };
-                let depth = crossing_depth(&fixed, &moved, 1.01 * WITHIN);
+                let [a, b] = [(a, a_normal), (corners, normal)]
+                    .map(|(corners, normal)| (smaller(corners, normal), normal));
+                let [a, b] = [&a, &b].map(|(corners, normal)| ConvexPiece {
+                    corners,
+                    normal: *normal,
+                });
+                let depth = crossing_depth(&a, &b, 1e-12);
                 crossed += u32::from(depth > 0.0);
                 assert!(!holds || depth <= 0.0, "{round} at {part}: {depth:e}");
             }

@@ -124,7 +124,8 @@ impl Sweep<'_> {
         heights(&a, &b, tolerance)
     }
 
-    /// Returns the next query of a pair that nearly touches: a later one, if a plane separates the pair for longer.
+    /// Returns the next query of a pair that nearly touches or stands still: a later one, if a plane separates the pair for
+    /// longer.
     pub(super) fn at_contact(
         &mut self,
         index: u32,
@@ -138,7 +139,8 @@ impl Sweep<'_> {
         let QueryOutcome::Until(until) = outcome else {
             return outcome;
         };
-        if until >= next || apart > TOUCHING_RATIO * allowed.largest() {
+        let stands_still = self.queue[index].stall.count >= SIDES_AFTER;
+        if until >= next || !stands_still && apart > TOUCHING_RATIO * allowed.largest() {
             return outcome;
         }
         let above = self.queue[index].above;
@@ -159,7 +161,7 @@ impl Sweep<'_> {
             planes.iter().any(|plane| plane.holds(changes, allowed))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
-        if reached >= next || above.is_some() || self.queue[index].stall.count < SIDES_AFTER {
+        if reached >= next || above.is_some() || !stands_still {
             return QueryOutcome::Until(reached);
         }
         let planes =
