@@ -1,5 +1,8 @@
 //! Runs `foldpath check`, which judges a path.
 
+use core::time::Duration;
+use std::time::Instant;
+
 use crate::args::Check;
 use crate::progress::watched;
 use crate::report::outcome;
@@ -9,9 +12,12 @@ use foldpath::check::check_watched;
 use foldpath::request::{CheckJson, Request};
 
 pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
-    let options = args.request.get()?.options()?;
+    let begun = Instant::now();
+    let mut options = args.request.get()?.options()?;
     let (path, verdict) = watched(&args.report, quiet, |progress| {
         let path = Input::of(&args.path)?.motion_for("check")?;
+        let left = |time: Duration| time.saturating_sub(begun.elapsed());
+        options.timeout = options.timeout.map(left);
         let verdict = check_watched(&path, &options, progress);
         Ok::<_, CliError>((path, verdict))
     })?;
@@ -39,8 +45,10 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         json.crossings.len()
     );
     text += &format!(
-        "  certified for the whole motion: closure {:.1e}, deformation {} of {}\n",
-        verdict.closure_bound(),
+        "  certified for the whole motion: closure {}, deformation {} of {}\n",
+        Some(verdict.closure_bound())
+            .filter(|bound| bound.is_finite())
+            .map_or("unknown".into(), |bound| format!("{bound:.1e}")),
         (json.certified_deformation).map_or("unknown".into(), |most| format!("{most:.1e}")),
         json.certified_of
     );

@@ -43,8 +43,10 @@ pub(super) fn check_closure(
     };
     let mut folded: Option<FoldingCertifier<'_>> = None;
     let segments = motion.segments.iter().enumerate();
-    let segments = segments.take_while(|_| !watch.is_over());
     let segments = segments.map(|(index, curves)| {
+        if watch.is_over() {
+            return SegmentClosure::UNJUDGED;
+        }
         watch.done(index, motion.segments.len());
         let rough = bound(curves, &Effort::ROUGH);
         if rough.error() <= options.bound || rough.sampled > options.bound {
@@ -67,6 +69,7 @@ pub(super) fn check_closure(
 fn judge_segments(bound: f64, verdict: &mut Verdict) {
     let worst = |value: fn(&SegmentClosure) -> f64| {
         let segments = verdict.segments.iter().enumerate();
+        let segments = segments.filter(|(_, segment)| segment.is_judged());
         segments.max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
     };
     let Some((index, open)) = worst(|segment| segment.sampled) else {

@@ -85,6 +85,22 @@ pub struct SegmentClosure {
 }
 
 impl SegmentClosure {
+    /// A segment to which the check did not come.
+    pub(super) const UNJUDGED: Self = Self {
+        sampled: 0.0,
+        at: 0.0,
+        open: None,
+        bound: f64::INFINITY,
+        place: None,
+        samples: 0,
+        rigidity: None,
+    };
+
+    /// Returns `true` if the check came to the segment.
+    pub(super) fn is_judged(&self) -> bool {
+        self.samples > 0
+    }
+
     /// Returns the largest of all bounds; infinite if one is not known.
     #[must_use]
     pub fn error(&self) -> f64 {

@@ -258,6 +258,11 @@ pub enum Undecided {
         faces: Option<[FaceId; 2]>,
     },
     /// The check was cancelled, or its time ended.
-    #[error("cancelled before it was judged to its end")]
-    Cancelled,
+    #[error("out of time before all was judged: closure is on {judged} of {segments} segments")]
+    Unfinished {
+        /// Number of segments over which closure was judged.
+        judged: usize,
+        /// Number of segments of the path.
+        segments: usize,
+    },
 }

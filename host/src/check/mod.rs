@@ -27,6 +27,9 @@ pub(crate) use knots::differing_hinge;
 pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
+use core::time::Duration;
+use std::time::Instant;
+
 use crate::collision::{Crossing, SearchedSheet};
 use crate::folding::{DEFAULT_BOUND, Rigidity};
 use crate::motion::Motion;
@@ -48,6 +51,8 @@ pub struct CheckOptions {
     pub samples: usize,
     /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
+    /// Time after which judging stops; `None` for no limit. What was proved by then is told.
+    pub timeout: Option<Duration>,
 }
 
 impl CheckOptions {
@@ -60,6 +65,7 @@ impl CheckOptions {
             bend: 0.0,
             samples: 0,
             sweep: false,
+            timeout: None,
         }
     }
 }
@@ -72,6 +78,7 @@ impl Default for CheckOptions {
             bend: 0.0,
             samples: 16,
             sweep: true,
+            timeout: None,
         }
     }
 }
@@ -233,14 +240,18 @@ pub fn check(path: &Motion, options: &CheckOptions) -> Verdict {
     check_until_over(path, options, Watch::default())
 }
 
-/// Judges a path as [`check`] does, and reports its progress to `progress`. A cancelled call leaves the
-/// questions open that it did not come to.
+/// Judges a path as [`check`] does, and reports its progress to `progress`. A call that is cancelled or out of time leaves
+/// the questions open that it did not come to.
 #[must_use]
 pub fn check_watched(path: &Motion, options: &CheckOptions, progress: &Progress) -> Verdict {
     check_until_over(path, options, Watch::new(progress))
 }
 
 pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Watch<'_>) -> Verdict {
+    let deadline = options
+        .timeout
+        .and_then(|time| Instant::now().checked_add(time));
+    let watch = deadline.map_or(watch, |_| watch.until(deadline));
     watch.begin(Stage::Folding);
     let tree = path.pattern.tree();
     let mut verdict = Verdict {
@@ -300,7 +311,14 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
         verdict.failures.extend(bound);
     }
     if watch.is_over() {
-        verdict.undecided.push(Undecided::Cancelled);
+        let judged = verdict
+            .segments
+            .iter()
+            .filter(|segment| segment.is_judged());
+        verdict.undecided.push(Undecided::Unfinished {
+            judged: judged.count(),
+            segments: motion.segments.len(),
+        });
     }
     verdict
 }

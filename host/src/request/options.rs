@@ -111,14 +111,11 @@ options! {
 
         /// Seed of all random numbers
         seed: u64 = 0, heading: "Method";
-
-        /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-        timeout: Option<f64> = None, heading: "Limits", value_name: "SECONDS", range: Some(TIMEOUT_S)
-            => |plan, seconds| plan.timeout = seconds.and_then(duration);
     } includes {
         /// Options of judging, which hold for the plan as well.
         check: CheckRequest => |plan, check| {
             (plan.bound, plan.bend, plan.contact) = (check.bound, check.bend, check.contact);
+            plan.timeout = check.timeout;
         };
 
         /// Options of reading the pattern.
@@ -129,6 +126,10 @@ options! {
 options! {
     /// Options of judging a motion.
     CheckRequest for CheckOptions {
+        /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+        timeout: Option<f64> = None, heading: "Limits", value_name: "SECONDS", range: Some(TIMEOUT_S)
+            => |check, seconds| check.timeout = seconds.and_then(duration);
+
         /// Largest deformation, gap and closure residual that the path may have
         ///
         /// Deformation is the change of an edge's length over that length. Gap is the distance between the positions that

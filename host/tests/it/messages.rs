@@ -483,8 +483,11 @@ fn findings_are_sentences() {
              faces 1 and 2",
         ),
         (
-            Undecided::Cancelled,
-            "cancelled before it was judged to its end",
+            Undecided::Unfinished {
+                judged: 3,
+                segments: 8,
+            },
+            "out of time before all was judged: closure is on 3 of 8 segments",
         ),
     ];
     for (open, sentence) in undecided {

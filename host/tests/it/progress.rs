@@ -1,5 +1,7 @@
 //! Tests long calls that are watched: their progress, and their answers after they are cancelled.
 
+use core::time::Duration;
+
 use crate::common::{miura, path_text};
 use foldpath::check::{self, CheckOptions, Undecided, check, check_watched};
 use foldpath::motion::Motion;
@@ -54,9 +56,23 @@ fn a_cancelled_check_is_undecided() {
     let watched = check_watched(&path, &options, &Progress::new());
     assert_eq!(watched, check(&path, &options));
     assert_eq!(watched.findings(), [""; 0]);
-    let verdict = check_watched(&path, &options, &cancelled());
-    assert!(verdict.undecided.contains(&Undecided::Cancelled));
-    assert_eq!(verdict.outcome(), check::Outcome::Undecided);
+    let verdicts = [
+        check_watched(&path, &options, &cancelled()),
+        check(&path, &options.with(|it| it.timeout = Some(Duration::ZERO))),
+    ];
+    for verdict in verdicts {
+        let segments = path.knots.len() - 1;
+        let unfinished = Undecided::Unfinished {
+            judged: 0,
+            segments,
+        };
+        assert!(verdict.undecided.contains(&unfinished), "{verdict:?}");
+        assert_eq!(verdict.outcome(), check::Outcome::Undecided);
+        assert_eq!(verdict.certified(), None);
+        assert!(verdict.closure_bound().is_infinite());
+    }
+    let long = options.with(|it| it.timeout = Some(Duration::MAX));
+    assert_eq!(check(&path, &long), watched);
 }
 
 #[test]

@@ -271,7 +271,7 @@ impl Design {
                 "--keep: expected with a path to write, as with --output".into(),
             ));
         }
-        request.timeout.get_or_insert(timeout);
+        request.check.timeout.get_or_insert(timeout);
         Ok(request)
     }
 }

@@ -79,6 +79,7 @@ fn answered(
     // Some strategies may have had no time, whatever the best of the others found.
     let is_up = job
         .request
+        .check
         .timeout
         .is_some_and(|timeout| start.elapsed().as_secs_f64() >= timeout);
     if stable && (is_up || done.planned.ran_out_of_time()) {

@@ -145,6 +145,13 @@ fn every_answer_has_the_keys_of_the_contract() {
             json!("holds"),
         ),
         (
+            "check path.fold --timeout 0",
+            1,
+            check_shape(),
+            "outcome",
+            json!("undecided"),
+        ),
+        (
             "check crossing.fold",
             1,
             check_shape(),

@@ -89,6 +89,7 @@ fn usage() {
         plan miura.fold --max-accel=-1
         plan miura.fold --max-accel inf
         plan miura.fold --timeout=-1
+        check path.fold --timeout=-1
         plan miura.fold --timeout NaN
         plan miura.fold --fold NaN
         plan miura.fold --bound inf

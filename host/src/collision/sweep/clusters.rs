@@ -130,7 +130,7 @@ impl Sweep<'_> {
     /// Makes a pair of pieces due again at the beginning of an interval.
     fn renew(&mut self, index: u32, [_, time, end]: [Tick; 3]) {
         let pair = &mut self.queue[index];
-        if pair.end < time {
+        if pair.end < time && pair.stall.crosses.is_none() {
             pair.above = None;
         }
         pair.end = end;

@@ -263,8 +263,12 @@ impl<'a> Sweep<'a> {
             if self.is_spent() {
                 return Some(self.undecided(index, time));
             }
+            let crosses = self.queue[index].stall.crosses;
+            if crosses.is_some_and(|at| time < at) {
+                continue;
+            }
             let outcome = self.query(index);
-            if self.queue[index].stall.crosses && !matches!(outcome, QueryOutcome::Crossing(_)) {
+            if crosses.is_some() && !matches!(outcome, QueryOutcome::Crossing(_)) {
                 return Some(self.undecided(index, time));
             }
             match outcome {
@@ -273,7 +277,7 @@ impl<'a> Sweep<'a> {
                     let later = self.past_stall(index, later);
                     let pair = &mut self.queue[index];
                     pair.last = Some(time);
-                    if later < pair.end || pair.stall.crosses {
+                    if later < pair.end || pair.stall.crosses.is_some() {
                         self.queue.put(index, later);
                     }
                 }

@@ -12,8 +12,8 @@ use crate::collision::tolerances::{LAST_FREE_TICKS, LOOK_AHEAD_AFTER};
 pub(super) struct Stall {
     /// Number of short steps in a row.
     pub(super) count: u32,
-    /// `true` if the pair was found to cross at the time of its next query, and not followed up to there.
-    pub(super) crosses: bool,
+    /// Time at which the pair was found to cross, and before which it is not queried any more.
+    pub(super) crosses: Option<Tick>,
 }
 
 impl Sweep<'_> {
@@ -35,7 +35,7 @@ impl Sweep<'_> {
         }
         let crosses = self.look_ahead(index);
         self.sheet.time = time;
-        self.queue[index].stall.crosses = crosses.is_some();
+        self.queue[index].stall.crosses = crosses;
         crosses.unwrap_or(later)
     }
 
