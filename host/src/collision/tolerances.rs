@@ -43,6 +43,8 @@ pub(super) const CLOSE_TO_PLANE_RATIO: f64 = 1e3;
 /// Ratio of the distance of two pieces to the tolerance up to which they are treated as touching: a plane then allows a
 /// step of the square root of a tolerance.
 pub(super) const TOUCHING_RATIO: f64 = 1e3;
+/// Part of the distance of two pieces that stand still at a distance that they keep up to the next query.
+pub(super) const KEPT_RATIO: f64 = 0.9;
 /// Relative slack for rounding: a point that is behind a side by no more than this ratio of its length and offset
 /// counts as ahead of it.
 pub(super) const SIDE_ROUNDING_RATIO: f64 = 1e-9;

@@ -100,6 +100,14 @@ impl Allowed {
         shift: 0.0,
     };
 
+    /// Returns what pieces may be in that keep a distance.
+    pub(in crate::collision) fn apart(distance: f64) -> Self {
+        Self {
+            shift: -distance,
+            ..Self::NOTHING
+        }
+    }
+
     /// Returns the extent up to which a piece may reach through the plane of another while the two planes enclose these
     /// angles.
     pub(in crate::collision) fn across(self, lean: Lean) -> f64 {

@@ -7,7 +7,7 @@ use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
 use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
 use crate::collision::narrow::side_planes::SidePlanes;
-use crate::collision::tolerances::{MAX_TEAR_RATIO, SIDES_AFTER, TOUCHING_RATIO};
+use crate::collision::tolerances::{KEPT_RATIO, MAX_TEAR_RATIO, SIDES_AFTER, TOUCHING_RATIO};
 
 /// How two pieces touch.
 #[derive(Clone, Copy, Debug)]
@@ -139,10 +139,19 @@ impl Sweep<'_> {
         let QueryOutcome::Until(until) = outcome else {
             return outcome;
         };
-        let stands_still = self.queue[index].stall.count >= SIDES_AFTER;
-        if until >= next || !stands_still && apart > TOUCHING_RATIO * allowed.largest() {
+        let pair = &self.queue[index];
+        let stands_still = pair.stall.count >= SIDES_AFTER;
+        let touches = apart <= TOUCHING_RATIO * allowed.largest();
+        let is_followed = touches || stands_still && !matches!(pair.kind, Kind::Vertex(_));
+        if until >= next || !is_followed {
             return outcome;
         }
+        // The smallest distance is known up to a part of it.
+        let room = if touches {
+            allowed
+        } else {
+            Allowed::apart(KEPT_RATIO * apart)
+        };
         let above = self.queue[index].above;
         let turns = self.turns_between(index, allowed);
         let [a, b] = self.queue[index].nodes;
@@ -153,21 +162,18 @@ impl Sweep<'_> {
             .iter()
             .zip(above.map_or([None; 2], |above| above.map(Some)));
         let planes: Vec<Parted> = planes
-            .flat_map(|(([a, b], turns), above)| {
-                parted(&piece(*a), &piece(*b), turns, above, allowed)
-            })
+            .flat_map(|(([a, b], turns), above)| parted(&piece(*a), &piece(*b), turns, above, room))
             .collect();
         let reached = self.held(&turns[0], [until, next], |changes| {
-            planes.iter().any(|plane| plane.holds(changes, allowed))
+            planes.iter().any(|plane| plane.holds(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
         if reached >= next || above.is_some() || !stands_still {
             return QueryOutcome::Until(reached);
         }
-        let planes =
-            both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, allowed));
+        let planes = both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
         QueryOutcome::Until(self.held(&turns[0], [reached, next], |changes| {
-            planes.iter().any(|planes| planes.hold(changes, allowed))
+            planes.iter().any(|planes| planes.hold(changes, room))
         }))
     }
 
