@@ -141,8 +141,11 @@ impl Sweep<'_> {
         };
         let pair = &self.queue[index];
         let stands_still = pair.stall.count >= SIDES_AFTER;
-        let touches = apart <= TOUCHING_RATIO * allowed.largest();
-        let is_followed = touches || stands_still && !matches!(pair.kind, Kind::Vertex(_));
+        // Along a lattice, pieces may be elsewhere by the deviation, which no plane may use up.
+        let (deviation, kept) = (self.deviation, KEPT_RATIO * apart);
+        let touches = deviation <= 0.0 && apart <= TOUCHING_RATIO * allowed.largest();
+        let keeps = stands_still && kept > deviation && !matches!(pair.kind, Kind::Vertex(_));
+        let is_followed = touches || keeps;
         if until >= next || !is_followed {
             return outcome;
         }
@@ -150,7 +153,7 @@ impl Sweep<'_> {
         let room = if touches {
             allowed
         } else {
-            Allowed::apart(KEPT_RATIO * apart)
+            Allowed::apart(kept)
         };
         let above = self.queue[index].above;
         let turns = self.turns_between(index, allowed);
