@@ -13,14 +13,13 @@
 extern crate std;
 
 mod application;
+mod channel;
 mod controller;
-mod decimal;
 mod fifo;
 #[cfg(feature = "embedded-hal")]
 pub mod hal;
 mod jog;
 mod loader;
-pub mod map;
 mod player;
 mod power;
 pub mod retained;
@@ -30,8 +29,8 @@ pub mod stored;
 mod window;
 
 pub use application::{Application, Board, TICK};
+pub use channel::Channel;
 pub use controller::{ALONE, Condition, Controller, FRAME, Settings, WAITING};
 pub use fifo::{Fifo, Line};
-pub use map::{HingeMap, MapError};
 pub use player::{PlayRefusal, Player, PlayerError};
 pub use power::{Hold, Power};
