@@ -126,12 +126,7 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
 }
 
 /// Names of the images.
-pub(crate) const IMAGES: [&str; 4] = [
-    PROBE,
-    "foldpath-mps2",
-    "foldpath-mps2-small",
-    "foldpath-mps2-small-keyed",
-];
+pub(crate) const IMAGES: [&str; 3] = [PROBE, "foldpath-mps2", "foldpath-mps2-small"];
 
 /// Returns the address of the small image's function or variable whose name contains all `parts`.
 pub(crate) fn address(parts: &[&str]) -> u64 {
