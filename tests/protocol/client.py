@@ -27,7 +27,7 @@ KINDS = """
 interpolation = Linear | Hermite | HalfAngle | Homogeneous
 command = Start | Hold | Resume | Unload | Clear | Stand | Forget | Jog u16 ?f32 ?f32
 state = Idle | Ready | Running | Holding | Done | Faulted
-reason = None | Asked | Underrun | Silence | Lag u16 | StopLine | Session | Refused setpoint | Fault fault | \
+reason = None | HoldCommand | Underrun | Silence | Lag u16 | StopLine | Session | Refused setpoint | Fault fault | \
     Approach | Lease
 fault = Stalled u16 | Leap u16 | Torn u16
 denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16 | Spread u16 | Range
@@ -732,7 +732,7 @@ class Host:
         if state == "Faulted":
             raise Finished("faulted", str(self.report[10]))
         if self.phase == "load" and loaded and now >= self.pause and state == "Ready":
-            self.say("Resume" if reason in ("Asked", "Underrun", "Silence", "Session", "Lag") else "Start", now)
+            self.say("Resume" if reason in ("HoldCommand", "Underrun", "Silence", "Session", "Lag") else "Start", now)
         elif self.phase == "run" and state == "Holding" and reason not in ("Underrun", "Lag", "Lease", "None"):
             raise Finished("held", reason)
         elif self.phase == "run" and self.hold_is_due(now):
@@ -741,7 +741,7 @@ class Host:
         elif self.phase == "rest" and self.rested >= 3:
             self.phase = "resume"
             self.say("Resume", now)
-        elif self.phase == "go on" and reason != "Asked":
+        elif self.phase == "go on" and reason != "HoldCommand":
             self.phase = "run"
         if self.phase != "load" and state == self.told.state == "Done" and None not in self.told.angles:
             self.check_end()

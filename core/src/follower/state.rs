@@ -85,7 +85,7 @@ pub enum Reason {
     #[default]
     None,
     /// The host asked to hold.
-    Asked,
+    HoldCommand,
     /// The queue has run dry.
     Underrun,
     /// The host has been silent for too long.
@@ -110,7 +110,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "nothing holds the motion",
-            Self::Asked => "a host has asked to hold",
+            Self::HoldCommand => "a host has asked to hold",
             Self::Underrun => "the queue ran dry",
             Self::Silence => "the controller did not hear its host for a while",
             Self::Lag(hinge) => return write!(f, "hinge {hinge} lags"),
@@ -128,7 +128,7 @@ impl From<Reason> for Numbers {
     fn from(reason: Reason) -> Self {
         match reason {
             Reason::None => Self::variant(0),
-            Reason::Asked => Self::variant(1),
+            Reason::HoldCommand => Self::variant(1),
             Reason::Underrun => Self::variant(2),
             Reason::Silence => Self::variant(3),
             Reason::Lag(hinge) => Self::of(4, hinge),

@@ -308,6 +308,10 @@ impl<'a> Driver<'a> {
 fn is_latched(reason: Reason) -> bool {
     matches!(
         reason,
-        Reason::Asked | Reason::Silence | Reason::StopLine | Reason::Session | Reason::Refused(_)
+        Reason::HoldCommand
+            | Reason::Silence
+            | Reason::StopLine
+            | Reason::Session
+            | Reason::Refused(_)
     )
 }

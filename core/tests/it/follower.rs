@@ -355,11 +355,11 @@ fn a_soft_stop_brakes_along_the_path() {
     let mut run = Run::<f64>::started();
     run.ticks(1000);
     let before = run.time();
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     run.ticks(300);
     // Braking from the full rate 1 at 4 per second passes 1/(2 · 4) = 1/8 s of the path.
     assert!((run.time() - before - 0.125).abs() < 1e-9);
-    assert_eq!(run.follower.reason(), Reason::Asked);
+    assert_eq!(run.follower.reason(), Reason::HoldCommand);
     assert_eq!(
         run.follower
             .load(&run.sheet.view(), FollowerPosition::default()),
@@ -382,7 +382,7 @@ fn a_moving_sheet_takes_no_other_path() {
     // A follower that is started but has not moved yet refuses as well.
     let mut run = Run::<f64>::started();
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     assert_eq!(run.follower.unload(), Ok(()));
 }
 
@@ -543,7 +543,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
         assert_eq!(run.follower.reason(), Reason::None);
         // Nobody measures the hinge while the command moves on.
         run.follower = free;
-        run.follower.hold(Reason::Asked);
+        run.follower.hold(Reason::HoldCommand);
         run.ticks(2);
         run.follower.resume().unwrap();
     }
@@ -826,7 +826,7 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
 fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
     let mut torn = 0.0_f64;
     let mut kept = 0.0_f64;
-    let causes = [Reason::Asked, Reason::Silence, Reason::Underrun];
+    let causes = [Reason::HoldCommand, Reason::Silence, Reason::Underrun];
     let moments = (300..2000).step_by(100);
     for (moment, cause) in moments.flat_map(|moment| causes.map(|cause| (moment, cause))) {
         let mut run = Run::<f64>::started();

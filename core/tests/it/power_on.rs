@@ -122,7 +122,7 @@ fn a_word_is_no_start() {
     run.follower.stop(false);
     assert_eq!(run.follower.confirm(), Err(Denial::Held));
     run.follower.resume().unwrap();
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     assert_eq!(run.follower.confirm(), Err(Denial::Held));
     run.follower.resume().unwrap();
     for wrong in [0.5 + 0.11, 0.5 - 0.11, f32::NAN] {

@@ -321,7 +321,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(State::Done), "Done"),
         (bytes(State::Faulted), "Faulted"),
         (bytes(Reason::None), "reason None"),
-        (bytes(Reason::Asked), "Asked"),
+        (bytes(Reason::HoldCommand), "HoldCommand"),
         (bytes(Reason::Underrun), "Underrun"),
         (bytes(Reason::Silence), "Silence"),
         (bytes(Reason::Lag(300)), "Lag of hinge 300"),

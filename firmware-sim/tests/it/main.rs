@@ -1,6 +1,6 @@
 //! Tests of the controller's program on the host, in virtual time, with one module for each subject.
 
-mod astray;
+mod elsewhere;
 mod faults;
 mod fuzz;
 mod jog;

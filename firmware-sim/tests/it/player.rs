@@ -125,12 +125,12 @@ fn a_press_holds_and_the_next_one_resumes() {
     desk.run(None, 500);
     assert_eq!(
         (desk.state(), desk.reason()),
-        (State::Holding, Reason::Asked)
+        (State::Holding, Reason::HoldCommand)
     );
     desk.rests();
     assert_eq!(
         (desk.state(), desk.reason()),
-        (State::Holding, Reason::Asked)
+        (State::Holding, Reason::HoldCommand)
     );
     assert_eq!(desk.press(), None);
     desk.finish();

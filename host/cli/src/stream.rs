@@ -447,7 +447,7 @@ mod tests {
         };
         for (ending, text) in [
             (
-                Ending::Held(Reason::Asked),
+                Ending::Held(Reason::HoldCommand),
                 "a host has asked to hold; --resume goes on from where the sheet stands",
             ),
             (

@@ -419,7 +419,7 @@ impl<'a> Session<'a> {
         let closure = self.path.residual(&told.angles);
         self.closure = self.closure.max(closure);
         let follows = runs || told.state == State::Done;
-        if follows && closure > self.path.most_told() {
+        if follows && closure > self.path.max_reported_closure() {
             self.torn.get_or_insert(now);
         }
     }

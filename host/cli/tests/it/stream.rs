@@ -591,7 +591,7 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // Without `--resume` the hold stays.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
-    assert_eq!(summary.reason, Some(Ending::Held(Reason::Asked)));
+    assert_eq!(summary.reason, Some(Ending::Held(Reason::HoldCommand)));
 
     let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
@@ -652,7 +652,7 @@ fn a_sheet_that_was_moved_along_its_path_goes_on_from_there() {
         assert!((angle - there).abs() < 0.02, "{begun:?} {there}");
     }
     let closure = summary.max_closure;
-    assert!(closure <= path.most_told(), "{closure}");
+    assert!(closure <= path.max_reported_closure(), "{closure}");
 }
 
 #[test]
