@@ -17,7 +17,7 @@ import zlib
 from dataclasses import dataclass, field
 
 VERSION = 3
-SCHEMA = 0x7A21E9E0  # the CRC-32 of the examples of messages and values
+SCHEMA = 0x269C592D  # the CRC-32 of the examples of messages and values
 MASK = (1 << 64) - 1
 
 # ---------------------------------------------------------------- values
@@ -28,9 +28,9 @@ interpolation = Linear | Hermite | HalfAngle | Homogeneous
 command = Start | Hold | Resume | Unload | Clear | Stand | Forget | Jog u16 ?f32 ?f32
 state = Idle | Ready | Running | Holding | Done | Faulted
 reason = None | HoldCommand | Underrun | Silence | Lag u16 | StopLine | Session | Refused setpoint | Fault fault | \
-    Approach | Lease
+    Approach | Lease | LateTick
 fault = Stalled u16 | Leap u16 | Torn u16
-denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16 | Spread u16 | Range
+denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16 | Spread u16 | Range | Nonce
 refused = Setpoint setpoint | Path denial | Room | Pieces | Incomplete | Limits u16 | Hinge u16 | Stars | Closure
 setpoint = State | Full | Sequence u32 | Groups | NotFinite u16 | HalfTurn u16 | Weight u16 | Order | Range u16 | \
     Speed u16 | Acceleration u16 | Open u16 | OpenBetween u16

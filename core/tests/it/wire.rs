@@ -337,6 +337,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (bytes(Reason::Approach), "Approach"),
         (bytes(Reason::Lease), "Lease"),
+        (bytes(Reason::LateTick), "LateTick"),
         (bytes(Fault::Stalled(300)), "fault Stalled: hinge 300"),
         (bytes(Fault::Leap(1)), "Leap of group 1"),
         (bytes(Fault::Torn(0)), "Torn at essential vertex 0"),
@@ -350,6 +351,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Denial::Unknown(1)), "Unknown: group 1"),
         (bytes(Denial::Spread(1)), "Spread of group 1"),
         (bytes(Denial::Range), "Range"),
+        (bytes(Denial::Nonce), "Nonce"),
         (
             bytes(ItemRefusal::Setpoint(Refusal::Order)),
             "item refused, Setpoint: Order",

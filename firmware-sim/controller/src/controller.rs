@@ -5,8 +5,10 @@
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
+use core::num::NonZero;
+
 use foldpath_core::follower::{
-    Denial, Fault, Follower, Measurement, Options, Reason, State, Target,
+    CheckedOptions, Denial, Fault, Follower, Measurement, Reason, State, Target,
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
@@ -48,15 +50,14 @@ pub const ALONE: Membership = Membership {
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Options of the follower.
-    pub follower: Options<f32>,
+    pub follower: CheckedOptions<f32>,
     /// Largest closure residual that a host may ask for.
     pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
     /// Number that tells this run from all other runs of the controller, and from the runs of controllers that have the same
-    /// key: a random number of the hardware; or a count in memory that keeps it without power, with the number of the chip
-    /// in the upper half. With a number that comes again, bytes that somebody recorded move the sheet.
-    pub nonce: u64,
+    /// key. With a number that comes again, bytes that somebody recorded move the sheet. Without one, no host moves it.
+    pub nonce: Option<NonZero<u64>>,
     /// Number that tells this image and its hinge map from others of the same board: a checksum of both, for one. A record that
     /// another image has left does not count.
     pub image: u32,
@@ -72,14 +73,19 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Returns the usual options of a board with this nonce and these limits.
+    /// Returns the usual options of a board with these limits.
+    ///
+    /// `draws` are two numbers that its source of nonces gives one after the other: random numbers of the hardware; or a
+    /// count in memory that keeps it without power, and the number of the chip. If they are the same, the source does not
+    /// vary, and there is no [nonce](Self::nonce): the continuous test of random numbers in FIPS 140-2, section 4.9.2.
     #[must_use]
-    pub fn new(nonce: u64, limits: fn(hinge: u32) -> GroupLimits) -> Self {
+    pub fn new(draws: [u64; 2], limits: fn(hinge: u32) -> GroupLimits) -> Self {
+        let [first, second] = draws;
         Self {
-            follower: Options::default(),
+            follower: CheckedOptions::default(),
             closure: 1e-3,
             telemetry: 20_000,
-            nonce,
+            nonce: NonZero::new(first ^ second.rotate_left(32)).filter(|_| first != second),
             image: 0,
             limits,
             closed: true,
@@ -184,7 +190,7 @@ impl<
         let count = |room: usize| u16::try_from(room).unwrap_or(u16::MAX);
         let identity = Identity {
             node: settings.node,
-            nonce: settings.nonce,
+            nonce: settings.nonce.map_or(0, NonZero::get),
             capacity: Capacity {
                 groups: count(GROUPS),
                 hinges: count(HINGES),
@@ -354,8 +360,15 @@ impl<
                 // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
                 // `Resume` counts.
                 let unaware = core::mem::take(&mut self.drawn) && command == Command::Resume;
+                let moves = match command {
+                    Command::Start => true,
+                    Command::Jog { to, .. } => to.is_some(),
+                    _ => false,
+                };
                 let answer = if unaware {
                     Err(Denial::Held)
+                } else if moves && self.settings.nonce.is_none() {
+                    Err(Denial::Nonce)
                 } else {
                     loader.obey(command, &self.settings)
                 };

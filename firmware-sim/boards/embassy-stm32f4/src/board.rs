@@ -245,7 +245,8 @@ fn clocks() -> embassy_stm32::Config {
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let p = embassy_stm32::init(clocks());
-    let nonce = Rng::new(p.RNG, Interrupts).next_u64();
+    let mut random = Rng::new(p.RNG, Interrupts);
+    let draws = [random.next_u64(), random.next_u64()];
 
     let mut config = usart::Config::default();
     config.baudrate = 460_800;
@@ -295,7 +296,7 @@ async fn main(_spawner: Spawner) {
         outgoing: &queues.outgoing,
         wake: &wake as &dyn Fn(),
     };
-    let settings = Settings::new(nonce, |_| LIMITS);
+    let settings = Settings::new(draws, |_| LIMITS);
     join4(
         receive(receiver, &queues),
         send(transmitter, &queues),

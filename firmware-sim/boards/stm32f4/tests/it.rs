@@ -238,7 +238,7 @@ impl Machine {
         Application::new(
             bench.clone(),
             bench.clone(),
-            Settings::new(nonce, |_| LIMITS),
+            Settings::new([nonce, 0], |_| LIMITS),
         )
     }
 

@@ -256,13 +256,13 @@ enum Memory {
 fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
     start();
-    let nonce = u64::from(read(NONCE)) | u64::from(read(NONCE + 4)) << 32;
+    let draws = [NONCE, NONCE + 4].map(|address| read(address).into());
     let settings = Settings {
         // The emulated hinges hang on any sheet.
         closed: false,
         // Whoever reaches the sockets of the emulator could read its memory as well.
         pairs: true,
-        ..Settings::new(nonce, |_| LIMITS)
+        ..Settings::new(draws, |_| LIMITS)
     };
     let line = Line {
         incoming: &INCOMING,

@@ -88,7 +88,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         stars: StarsView::new(&spokes, &ends, 2).unwrap(),
         closure: file.closure(),
     };
-    let mut follower = Follower::<f32, 2, 64>::new(follower::Options::default());
+    let mut follower = Follower::<f32, 2, 64>::new(follower::CheckedOptions::default());
     follower.load(&sheet, FollowerPosition::default()).unwrap();
     for knot in 0..file.len() {
         let nodes = [0, 1].map(|group| file.node(knot, group).unwrap());
@@ -698,7 +698,7 @@ fn flat() -> Device {
         speed: 20.0,
         acceleration: f32::INFINITY,
     };
-    let mut device = Device::protected(Settings::new(1, limits), Unkeyed);
+    let mut device = Device::protected(Settings::new([1, 0], limits), Unkeyed);
     let place = FollowerPosition::default();
     device
         .follower_mut()
