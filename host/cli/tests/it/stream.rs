@@ -744,6 +744,33 @@ impl Served {
     }
 }
 
+/// A host that waits for as long as it takes says what it waits for, once.
+#[test]
+#[cfg(unix)]
+fn a_host_that_waits_says_what_for() {
+    let folder = small();
+    let lease = |device: &mut Device| device.follower_mut().lease(Some(0.1));
+    let (port, _, thread) = served(1, |_| false, lease);
+    let mut host = folder.command(&format!(
+        "stream path.traj --to tcp:{port} --insecure --json"
+    ));
+    let host = host.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let host = host.spawn().unwrap();
+    sleep(Duration::from_millis(4000));
+    let id = host.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status();
+    assert!(kill.unwrap().success());
+    let output = host.wait_with_output().unwrap();
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["outcome"], "stopped", "{json}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let note = "note: the motion is slow or at rest: the path time has reached its bound";
+    assert_eq!(said.lines().collect::<Vec<_>>(), [note]);
+    thread.join().unwrap();
+}
+
 /// A fault does not hide that the stop line holds as well; once the fault is cleared, the stop line is what is told.
 #[test]
 fn a_stop_line_behind_a_fault_is_told() {
