@@ -23,6 +23,7 @@ mod loader;
 mod player;
 mod power;
 pub mod retained;
+pub mod servo_bus;
 pub mod sheet;
 mod snapshot;
 pub mod stored;

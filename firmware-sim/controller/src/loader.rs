@@ -146,6 +146,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 let begun = matches!(follower.state(), State::Holding | State::Done);
                 follower.forget()?;
                 (self.path, self.holds) = (0, false);
+                self.jog = Jog::default();
                 if begun {
                     self.sheet.clear();
                 }

@@ -540,7 +540,9 @@ impl<'a> Session<'a> {
             return None;
         };
         match why {
-            Denial::Place | Denial::Empty => Some((Outcome::Held, Ending::Denied(why))),
+            Denial::Place | Denial::Empty | Denial::Nonce => {
+                Some((Outcome::Held, Ending::Denied(why)))
+            }
             Denial::Jump(_) if !self.seeks => Some((Outcome::Held, Ending::Denied(why))),
             // The controller may need a while to measure all hinges and to tell of them, or for whatever else it denies a start.
             _ => {

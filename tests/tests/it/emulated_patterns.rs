@@ -11,7 +11,7 @@ use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::read::read_pattern;
 use foldpath::stream::StreamPath;
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, Options};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::driver::Persistence;
 use foldpath_tests::{Planned, path_file, pattern_file};

@@ -8,7 +8,7 @@ use foldpath::planner::PlanOptions;
 use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, Options};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
