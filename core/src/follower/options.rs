@@ -39,57 +39,28 @@ pub struct Options<T> {
     pub approach: T,
 }
 
-const DEFAULT: Options<f64> = Options {
-    clock: ClockLimits {
-        rise: 4.0,
-        brake: 4.0,
-    },
-    silence: 500_000,
-    longest_tick: 10_000,
-    lag: 0.05,
-    most_lag: 0.15,
-    stall: 1_000_000,
-    jump: 0.01,
-    reach: 0.1,
-    spread: 0.05,
-    fresh: 1_000_000,
-    approach: 0.1,
-};
-
-/// The default options with numbers that a function, which may be constant, makes of `f64`.
-macro_rules! default_options {
-    ($number:path) => {
-        Options {
-            clock: ClockLimits {
-                rise: $number(DEFAULT.clock.rise),
-                brake: $number(DEFAULT.clock.brake),
-            },
-            lag: $number(DEFAULT.lag),
-            most_lag: $number(DEFAULT.most_lag),
-            jump: $number(DEFAULT.jump),
-            reach: $number(DEFAULT.reach),
-            spread: $number(DEFAULT.spread),
-            approach: $number(DEFAULT.approach),
-            silence: DEFAULT.silence,
-            longest_tick: DEFAULT.longest_tick,
-            stall: DEFAULT.stall,
-            fresh: DEFAULT.fresh,
-        }
-    };
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "rounds a number")]
-const fn rounded(number: f64) -> f32 {
-    number as f32
-}
-
 const fn is_positive(number: f32) -> bool {
     number > 0.0 && number.is_finite()
 }
 
 impl Options<f32> {
     /// The default options, for constants.
-    pub const DEFAULT: Self = default_options!(rounded);
+    pub const DEFAULT: Self = Self {
+        clock: ClockLimits {
+            rise: 4.0,
+            brake: 4.0,
+        },
+        silence: 500_000,
+        longest_tick: 10_000,
+        lag: 0.05,
+        most_lag: 0.15,
+        stall: 1_000_000,
+        jump: 0.01,
+        reach: 0.1,
+        spread: 0.05,
+        fresh: 1_000_000,
+        approach: 0.1,
+    };
 
     /// Checks the options: each has to be finite and above 0, `most_lag` above `lag`, and `reach` no smaller than
     /// `jump`. In a constant, an option that is not sound does not compile:
@@ -151,7 +122,24 @@ impl Options<f32> {
 
 impl<T: Scalar> Default for Options<T> {
     fn default() -> Self {
-        default_options!(T::lit)
+        let default = Options::<f32>::DEFAULT;
+        let number = |number: f32| T::lit(number.into());
+        Self {
+            clock: ClockLimits {
+                rise: number(default.clock.rise),
+                brake: number(default.clock.brake),
+            },
+            silence: default.silence,
+            longest_tick: default.longest_tick,
+            lag: number(default.lag),
+            most_lag: number(default.most_lag),
+            stall: default.stall,
+            jump: number(default.jump),
+            reach: number(default.reach),
+            spread: number(default.spread),
+            fresh: default.fresh,
+            approach: number(default.approach),
+        }
     }
 }
 

@@ -398,6 +398,29 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
 }
 
+/// A reader takes varints that are longer than their numbers need, up to the length of their type.
+#[test]
+fn varints_may_be_longer_than_their_numbers() {
+    let read = |time: &[u8], groups: &[u8]| {
+        let bytes = [&[5][..], time, groups].concat();
+        let read = postcard::from_bytes::<ToDevice<'_>>(&bytes).ok();
+        read.map(|message| format!("{message:?}"))
+    };
+    let short = read(&[1], &[0]);
+    assert!(short.is_some());
+    for time in [
+        &[0x81, 0][..],
+        &[0x81, 0x80, 0],
+        &[0x81, 0x80, 0x80, 0x80, 0],
+    ] {
+        assert_eq!(read(time, &[0x80, 0x80, 0]), short);
+    }
+    // Six bytes, and more than 32 and 16 bits.
+    assert_eq!(read(&[0x81, 0x80, 0x80, 0x80, 0x80, 0], &[0]), None);
+    assert_eq!(read(&[0x81, 0x80, 0x80, 0x80, 0x10], &[0]), None);
+    assert_eq!(read(&[1], &[0x80, 0x80, 4]), None);
+}
+
 #[test]
 fn the_protocol_lists_every_message_as_it_is() {
     let examples = examples();

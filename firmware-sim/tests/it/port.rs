@@ -33,10 +33,10 @@ pub(crate) trait Rig {
     /// Largest distance of a hinge at rest from its command, radians: the resolution of drives and sensors.
     const ERROR: f32;
 
-    /// What [`Board::power`] does.
+    /// Takes the place of [`Board::power`].
     fn power(&mut self, power: Power);
 
-    /// What [`Board::drive`] does at `now`, microseconds.
+    /// Takes the place of [`Board::drive`] at `now`, microseconds.
     fn drive(
         &mut self,
         hinge: u32,
@@ -44,7 +44,7 @@ pub(crate) trait Rig {
         now: u64,
     ) -> Option<Measurement<f32>>;
 
-    /// What [`Board::commit`] does at `now`, microseconds; then the hinges turn for a millisecond.
+    /// Takes the place of [`Board::commit`] at `now`, microseconds; then the hinges turn for a millisecond.
     fn commit(&mut self, now: u64);
 
     /// Returns the angle of each hinge, radians.

@@ -140,7 +140,7 @@ impl<const BUSES: usize, const N: usize> Rig for Simulated<BUSES, N> {
                 at += 10 * packet.len() as u64;
                 line.hear(packet, at);
             });
-            // What is on the line is over before anything else is sent.
+            // Nothing else is sent before the line is free again.
             assert!(at < now + 2000);
         }
         let blocked = self.blocked;
