@@ -51,7 +51,7 @@ impl Channel {
     ///     Channel { channel: 3, zero: 1.5708, negative: false, lower: -1.6, upper: 1.6 },
     /// ];
     ///
-    /// let settings = Settings::new(1, |hinge| Channel::limits(CHANNELS, hinge, 6.0, f32::INFINITY));
+    /// let settings = Settings::new([1, 2], |hinge| Channel::limits(CHANNELS, hinge, 6.0, f32::INFINITY));
     /// assert!((settings.limits)(0).are_sound() && !(settings.limits)(1).are_sound());
     /// ```
     #[must_use]
