@@ -12,7 +12,7 @@
 //! On a board, keep all but `main`, and replace what `main` does at the comments that begin with "Board".
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::{Node, StarsView};
 
@@ -54,7 +54,7 @@ impl Machine {
                 stars: stars.ok_or("the constants are no sheet")?,
                 closure: path::CLOSURE,
             },
-            follower: Follower::new(Options::default()),
+            follower: Follower::new(CheckedOptions::default()),
             next: 0,
         };
         let begin = FollowerPosition::default();

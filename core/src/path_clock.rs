@@ -40,8 +40,12 @@ impl<T: Scalar> PathClock<T> {
     /// Creates a clock at rest. It never starts if its limits are not [sound](ClockLimits::are_sound).
     #[must_use]
     pub fn new(limits: ClockLimits<T>) -> Self {
+        let still = ClockLimits {
+            rise: T::zero(),
+            brake: T::zero(),
+        };
         Self {
-            limits,
+            limits: if limits.are_sound() { limits } else { still },
             rate: T::zero(),
         }
     }
@@ -67,9 +71,6 @@ impl<T: Scalar> PathClock<T> {
         let (dt, left) = (positive(dt), positive(left));
         let goal = positive(goal).min(T::one());
         let (before, ClockLimits { rise, brake }) = (self.rate, self.limits);
-        if !self.limits.are_sound() {
-            return T::zero();
-        }
         let slewed = goal.max(before - brake * dt).min(before + rise * dt);
         // The largest rate r whose braking distance r²/2b is at most the path time left after (before + r)/2 · dt.
         let half = brake * dt * T::HALF;

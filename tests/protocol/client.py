@@ -17,7 +17,7 @@ import zlib
 from dataclasses import dataclass, field
 
 VERSION = 3
-SCHEMA = 0x7A21E9E0  # the CRC-32 of the examples of messages and values
+SCHEMA = 0x269C592D  # the CRC-32 of the examples of messages and values
 MASK = (1 << 64) - 1
 
 # ---------------------------------------------------------------- values
@@ -27,10 +27,10 @@ KINDS = """
 interpolation = Linear | Hermite | HalfAngle | Homogeneous
 command = Start | Hold | Resume | Unload | Clear | Stand | Forget | Jog u16 ?f32 ?f32
 state = Idle | Ready | Running | Holding | Done | Faulted
-reason = None | Asked | Underrun | Silence | Lag u16 | StopLine | Session | Refused setpoint | Fault fault | \
-    Approach | Lease
+reason = None | HoldCommand | Underrun | Silence | Lag u16 | StopLine | Session | Refused setpoint | Fault fault | \
+    Approach | Lease | LateTick
 fault = Stalled u16 | Leap u16 | Torn u16
-denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16 | Spread u16 | Range
+denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16 | Spread u16 | Range | Nonce
 refused = Setpoint setpoint | Path denial | Room | Pieces | Incomplete | Limits u16 | Hinge u16 | Stars | Closure
 setpoint = State | Full | Sequence u32 | Groups | NotFinite u16 | HalfTurn u16 | Weight u16 | Order | Range u16 | \
     Speed u16 | Acceleration u16 | Open u16 | OpenBetween u16
@@ -732,7 +732,7 @@ class Host:
         if state == "Faulted":
             raise Finished("faulted", str(self.report[10]))
         if self.phase == "load" and loaded and now >= self.pause and state == "Ready":
-            self.say("Resume" if reason in ("Asked", "Underrun", "Silence", "Session", "Lag") else "Start", now)
+            self.say("Resume" if reason in ("HoldCommand", "Underrun", "Silence", "Session", "Lag") else "Start", now)
         elif self.phase == "run" and state == "Holding" and reason not in ("Underrun", "Lag", "Lease", "None"):
             raise Finished("held", reason)
         elif self.phase == "run" and self.hold_is_due(now):
@@ -741,7 +741,7 @@ class Host:
         elif self.phase == "rest" and self.rested >= 3:
             self.phase = "resume"
             self.say("Resume", now)
-        elif self.phase == "go on" and reason != "Asked":
+        elif self.phase == "go on" and reason != "HoldCommand":
             self.phase = "run"
         if self.phase != "load" and state == self.told.state == "Done" and None not in self.told.angles:
             self.check_end()

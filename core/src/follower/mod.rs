@@ -32,6 +32,7 @@ mod hinges;
 mod intake;
 mod lag;
 mod motion;
+mod options;
 mod queue;
 mod start;
 mod state;
@@ -44,8 +45,9 @@ use crate::path_clock::PathClock;
 use approach::Approach;
 pub use hinges::{Hinge, Measurement, Target};
 use lag::{Lag, LagWatch};
+pub use options::{CheckedOptions, OptionError, Options};
 use queue::Queue;
-pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
+pub use state::{Denial, Fault, FollowerPosition, Reason, State};
 use survey::Survey;
 
 /// Says how well it is known where the groups stand.
@@ -75,6 +77,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     /// `line`: `true` while the stop line is drawn. `stopped`: `true` from then on until [`resume`](Follower::resume).
     line: bool,
     stopped: bool,
+    /// `true` if the last tick came late.
+    is_late: bool,
     /// Failure, if the state is [`State::Faulted`].
     fault: Option<Fault>,
     clock: PathClock<T>,
@@ -114,9 +118,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     // Inlined, so that a large follower is built in its place and not on the stack.
     #[inline(always)]
     #[must_use]
-    pub fn new(options: Options<T>) -> Self {
+    pub fn new(options: CheckedOptions<T>) -> Self {
         Self {
-            options,
+            options: *options,
             state: State::Idle,
             latch: Reason::None,
             line: false,
@@ -127,6 +131,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             now: 0,
             heard: 0,
             lag: LagWatch::default(),
+            is_late: false,
             guarded: 0,
             approach: Approach::none(),
             queue: Queue::new(),
@@ -163,6 +168,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             (_, State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
                 Reason::Lag(hinge)
             }
+            (_, State::Running, Reason::None) if self.is_late => Reason::LateTick,
             (_, State::Running, Reason::None) if self.is_approaching() => Reason::Approach,
             (_, State::Holding, Reason::None)
                 if self.ahead() <= T::zero()

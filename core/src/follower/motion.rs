@@ -19,7 +19,9 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let passed = now.saturating_sub(self.now);
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
         self.now = self.now.max(now);
-        let passed = passed.min(self.options.longest_tick);
+        let longest = self.options.longest_tick;
+        self.is_late = passed > longest;
+        let passed = passed.min(longest);
         if self.stance == Stance::Agreed {
             self.keep();
         }

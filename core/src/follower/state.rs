@@ -1,4 +1,4 @@
-//! The states of a follower, the reasons for slowing or holding, its options, and its answers to commands.
+//! The states of a follower, the reasons for slowing or holding, and its answers to commands.
 //!
 //! The enumerations here and in [`wire::message`](crate::wire::message) list all variants, so that a program that matches
 //! them misses none. A new variant changes the protocol, and is a new minor version of this crate before 1.0.
@@ -7,10 +7,8 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Scalar;
 use crate::acceptance::Refusal;
 use crate::numbers::{Numbers, number};
-use crate::path_clock::ClockLimits;
 
 /// State of a follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,7 +83,7 @@ pub enum Reason {
     #[default]
     None,
     /// The host asked to hold.
-    Asked,
+    HoldCommand,
     /// The queue has run dry.
     Underrun,
     /// The host has been silent for too long.
@@ -104,13 +102,16 @@ pub enum Reason {
     Approach,
     /// The path time has reached the bound that was set from outside.
     Lease,
+    /// The last tick came later than [`Options::longest_tick`](crate::follower::Options::longest_tick), so that a part of the
+    /// time does not count.
+    LateTick,
 }
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "nothing holds the motion",
-            Self::Asked => "a host has asked to hold",
+            Self::HoldCommand => "a host has asked to hold",
             Self::Underrun => "the queue ran dry",
             Self::Silence => "the controller did not hear its host for a while",
             Self::Lag(hinge) => return write!(f, "hinge {hinge} lags"),
@@ -120,7 +121,24 @@ impl fmt::Display for Reason {
             Self::Fault(fault) => return fault.fmt(f),
             Self::Approach => "the groups approach the beginning of the path",
             Self::Lease => "the path time has reached its bound",
+            Self::LateTick => "the controller's ticks come late",
         })
+    }
+}
+
+impl Reason {
+    /// Returns `true` if this reason slows or holds the motion only while it lasts, and not until somebody resumes.
+    #[must_use]
+    pub fn passes(self) -> bool {
+        matches!(
+            self,
+            Self::None
+                | Self::Underrun
+                | Self::Lag(_)
+                | Self::Approach
+                | Self::Lease
+                | Self::LateTick
+        )
     }
 }
 
@@ -128,7 +146,7 @@ impl From<Reason> for Numbers {
     fn from(reason: Reason) -> Self {
         match reason {
             Reason::None => Self::variant(0),
-            Reason::Asked => Self::variant(1),
+            Reason::HoldCommand => Self::variant(1),
             Reason::Underrun => Self::variant(2),
             Reason::Silence => Self::variant(3),
             Reason::Lag(hinge) => Self::of(4, hinge),
@@ -138,6 +156,7 @@ impl From<Reason> for Numbers {
             Reason::Fault(fault) => Self::around(8, fault),
             Reason::Approach => Self::variant(9),
             Reason::Lease => Self::variant(10),
+            Reason::LateTick => Self::variant(11),
         }
     }
 }
@@ -169,6 +188,8 @@ pub enum Denial {
     Spread(u16),
     /// The angle is no number or beyond the limits of the board for its hinge, or the board has no such hinge.
     Range,
+    /// The nonce of the controller does not vary, so that frames that somebody has recorded could move the sheet.
+    Nonce,
 }
 
 impl fmt::Display for Denial {
@@ -196,6 +217,9 @@ impl fmt::Display for Denial {
             Self::Range => f.write_str(
                 "the angle is beyond the limits of the controller's board for this hinge",
             ),
+            Self::Nonce => f.write_str(
+                "the controller has no nonce that varies, so that recorded frames could move the sheet",
+            ),
         }
     }
 }
@@ -215,6 +239,7 @@ impl From<Denial> for Numbers {
             Denial::Unknown(group) => Self::of(7, group),
             Denial::Spread(group) => Self::of(8, group),
             Denial::Range => Self::variant(9),
+            Denial::Nonce => Self::variant(10),
         }
     }
 }
@@ -228,56 +253,4 @@ pub struct FollowerPosition<T> {
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,
-}
-
-/// Options of a [`Follower`](crate::follower::Follower). Times are microseconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options<T> {
-    /// Limits on the change of the path clock's rate. They add at most the hinge's speed times this to the acceleration
-    /// of a hinge.
-    pub clock: ClockLimits<T>,
-    /// Silence of the host after which the motion holds.
-    pub silence: u32,
-    /// Longest time that one tick lets pass.
-    pub longest_tick: u32,
-    /// Distance between a hinge and its command above which the clock slows, radians.
-    pub lag: T,
-    /// Distance between a hinge and its command from which on the motion holds, radians. Braking moves the command on
-    /// by up to speed / (2 · brake).
-    pub most_lag: T,
-    /// Time for which a hinge may lag by `most_lag` before the motion fails.
-    pub stall: u32,
-    /// Largest distance of a group from the beginning of a path at which the path may start, radians, if the angle was
-    /// commanded before.
-    pub jump: T,
-    /// Largest such distance if the angle was measured, or if an approach was broken off, radians.
-    pub reach: T,
-    /// Largest difference between the measured angles of a group's hinges at which they are one angle, radians.
-    pub spread: T,
-    /// Time for which measured angles tell where the groups stand, microseconds. All hinges have to be measured within
-    /// half of it.
-    pub fresh: u32,
-    /// Speed at which the groups approach the beginning of a path, radians per second.
-    pub approach: T,
-}
-
-impl<T: Scalar> Default for Options<T> {
-    fn default() -> Self {
-        Self {
-            clock: ClockLimits {
-                rise: T::lit(4.0),
-                brake: T::lit(4.0),
-            },
-            silence: 500_000,
-            longest_tick: 10_000,
-            lag: T::lit(0.05),
-            most_lag: T::lit(0.15),
-            stall: 1_000_000,
-            jump: T::lit(0.01),
-            reach: T::lit(0.1),
-            spread: T::lit(0.05),
-            fresh: 1_000_000,
-            approach: T::lit(0.1),
-        }
-    }
 }

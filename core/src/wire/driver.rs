@@ -267,10 +267,7 @@ impl<'a> Driver<'a> {
     /// Returns the command to send next, if any.
     fn wanted(&self, report: &Report) -> Option<Command> {
         if self.stopping {
-            let held = !matches!(
-                report.reason,
-                Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach | Reason::Lease
-            );
+            let held = !report.reason.passes();
             // A controller that is ready may have a start on its way to it, and one that holds a `Resume`.
             let under_way = matches!(report.state, State::Ready | State::Running | State::Holding);
             let held = held && !self.sender.is_asking();
@@ -306,8 +303,5 @@ impl<'a> Driver<'a> {
 
 /// Returns `true` if a follower holds for this reason until a host resumes the motion.
 fn is_latched(reason: Reason) -> bool {
-    matches!(
-        reason,
-        Reason::Asked | Reason::Silence | Reason::StopLine | Reason::Session | Reason::Refused(_)
-    )
+    !(reason.passes() || matches!(reason, Reason::Fault(_)))
 }

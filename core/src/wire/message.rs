@@ -16,7 +16,7 @@ use crate::numbers::{Numbers, number};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x7a21_e9e0;
+pub const SCHEMA: u32 = 0x269c_592d;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

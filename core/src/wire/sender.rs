@@ -206,8 +206,8 @@ pub struct Sender {
     /// Telemetry that has come since the host last told what it has seen: the lowest bits of its time, and the number of its
     /// groups that have come.
     seen: Option<(u32, u16)>,
-    /// Time when the host last told it, microseconds.
-    told: Option<u64>,
+    /// Time of the last `Seen`, microseconds.
+    seen_at: Option<u64>,
     /// Newest epoch that the controller has told.
     epoch: u8,
     number: u8,
@@ -245,7 +245,7 @@ impl Sender {
             answered: false,
             heard: None,
             seen: None,
-            told: None,
+            seen_at: None,
             epoch: 0,
             number: 0,
             pending: None,
@@ -442,7 +442,7 @@ impl Sender {
             return None;
         }
         if let Some((time, groups)) = self.seen.take() {
-            self.told = Some(now);
+            self.seen_at = Some(now);
             return Some((self.session, ToDevice::Seen { time, groups }));
         }
         if self.phase == Phase::Open
@@ -459,7 +459,7 @@ impl Sender {
             retry.min(if longer { 2 * often } else { often })
         };
         // A controller that was told what was seen has heard the host, and has not answered.
-        let due = since(self.sent) >= alive || since(self.sent.max(self.told)) >= pace;
+        let due = since(self.sent) >= alive || since(self.sent.max(self.seen_at)) >= pace;
         due.then_some((self.session, ToDevice::Alive))
     }
 

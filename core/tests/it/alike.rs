@@ -1,7 +1,7 @@
 //! A follower of groups that all turn alike, for tests of what holds and starts it.
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, State};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Node, StarsView};
 use foldpath_test_support::Measure as _;
 
@@ -24,7 +24,7 @@ pub(crate) struct Run<const G: usize> {
 impl<const G: usize> Run<G> {
     pub(crate) fn new() -> Self {
         Self {
-            follower: Box::new(Follower::new(Options::default())),
+            follower: Box::new(Follower::new(CheckedOptions::default())),
             limits: [LIMITS; G],
             now: 0,
         }

@@ -4,7 +4,9 @@
 use core::f64::consts::PI;
 
 use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
-use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{
+    CheckedOptions, Denial, Fault, Follower, FollowerPosition, Options, Reason, State,
+};
 use foldpath_core::path_clock::ClockLimits;
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::{
@@ -120,7 +122,7 @@ struct Run<T: Scalar> {
 }
 
 impl<T: Scalar> Run<T> {
-    fn ready(options: Options<T>) -> Self {
+    fn ready(options: CheckedOptions<T>) -> Self {
         let mut run = Self {
             sheet: Sheet::new(),
             follower: Follower::new(options),
@@ -137,7 +139,7 @@ impl<T: Scalar> Run<T> {
     }
 
     fn started() -> Self {
-        let mut run = Self::ready(Options::default());
+        let mut run = Self::ready(CheckedOptions::default());
         run.follower.start().unwrap();
         run
     }
@@ -293,7 +295,7 @@ fn hinges_turn_as_their_groups_and_signs_say() {
 #[test]
 fn an_empty_queue_stops_at_its_last_setpoint_and_goes_on_with_the_next() {
     for sent in [1, 2, 3, 17, 50, 99] {
-        let mut run = Run::<f32>::ready(Options::default());
+        let mut run = Run::<f32>::ready(CheckedOptions::default());
         // The queue was filled before; whatever it holds counts as sent.
         run.sent = sent.max(run.follower.next());
         let end = run.sent - 1;
@@ -329,10 +331,14 @@ fn an_empty_queue_stops_at_its_last_setpoint_and_goes_on_with_the_next() {
 
 #[test]
 fn a_silent_host_holds_until_it_asks_to_go_on() {
-    let mut run = Run::<f32>::ready(Options {
-        silence: 250_000,
-        ..Options::default()
-    });
+    let mut run = Run::<f32>::ready(
+        Options {
+            silence: 250_000,
+            ..Options::default()
+        }
+        .checked()
+        .unwrap(),
+    );
     run.follower.start().unwrap();
     run.ticks(500);
     run.host = false;
@@ -355,11 +361,11 @@ fn a_soft_stop_brakes_along_the_path() {
     let mut run = Run::<f64>::started();
     run.ticks(1000);
     let before = run.time();
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     run.ticks(300);
     // Braking from the full rate 1 at 4 per second passes 1/(2 · 4) = 1/8 s of the path.
     assert!((run.time() - before - 0.125).abs() < 1e-9);
-    assert_eq!(run.follower.reason(), Reason::Asked);
+    assert_eq!(run.follower.reason(), Reason::HoldCommand);
     assert_eq!(
         run.follower
             .load(&run.sheet.view(), FollowerPosition::default()),
@@ -382,7 +388,7 @@ fn a_moving_sheet_takes_no_other_path() {
     // A follower that is started but has not moved yet refuses as well.
     let mut run = Run::<f64>::started();
     assert_eq!(run.follower.unload(), Err(Denial::Moving));
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     assert_eq!(run.follower.unload(), Ok(()));
 }
 
@@ -417,7 +423,7 @@ fn the_stop_line_stops_at_once_and_stays() {
 
 #[test]
 fn the_stop_line_is_heard_in_every_state() {
-    let mut idle = Miura::<f32>::new(Options::default());
+    let mut idle = Miura::<f32>::new(CheckedOptions::default());
     idle.stop(true);
     idle.stop(false);
     let sheet = Sheet::new();
@@ -543,7 +549,7 @@ fn a_hinge_that_catches_up_is_forgiven_and_a_sensor_without_a_number_is_not() {
         assert_eq!(run.follower.reason(), Reason::None);
         // Nobody measures the hinge while the command moves on.
         run.follower = free;
-        run.follower.hold(Reason::Asked);
+        run.follower.hold(Reason::HoldCommand);
         run.ticks(2);
         run.follower.resume().unwrap();
     }
@@ -622,7 +628,7 @@ fn a_full_queue_refuses_without_holding() {
         Err(Refusal::Full)
     );
     assert_eq!(run.follower.reason(), Reason::None);
-    let mut idle = Miura::<f64>::new(Options::default());
+    let mut idle = Miura::<f64>::new(CheckedOptions::default());
     assert_eq!(
         idle.accept(&run.sheet.view(), setpoint(0)),
         Err(Refusal::State)
@@ -765,7 +771,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         run.ticks(1 + rng.below(2200));
         let (place, angles) = (run.follower.position(), run.follower.angles().to_vec());
         let mut again = Run::<f32>::started();
-        again.follower = Follower::new(Options::default());
+        again.follower = Follower::new(CheckedOptions::default());
         again.follower.stand(&angles, place, false).unwrap();
         assert_eq!(again.follower.position(), place);
         again.follower.load(&again.sheet.view(), place).unwrap();
@@ -774,7 +780,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
         assert_eq!(again.bits(), run.bits());
         again.until(State::Done);
 
-        let mut elsewhere = Miura::<f32>::new(Options::default());
+        let mut elsewhere = Miura::<f32>::new(CheckedOptions::default());
         elsewhere
             .stand(&[angles[0], angles[1] + 0.02], place, false)
             .unwrap();
@@ -792,7 +798,7 @@ fn after_a_reset_the_path_goes_on_from_the_place_last_commanded() {
 fn a_place_that_is_not_on_the_first_segment_is_no_beginning() {
     for into in [-0.001, STEP * 1.01, f64::NAN] {
         let mut run = Run::<f64>::started();
-        run.follower = Follower::new(Options::default());
+        run.follower = Follower::new(CheckedOptions::default());
         run.follower
             .load(&run.sheet.view(), FollowerPosition { knot: 4, into })
             .unwrap();
@@ -805,9 +811,9 @@ fn a_place_that_is_not_on_the_first_segment_is_no_beginning() {
 #[test]
 fn a_group_that_is_measured_at_no_number_is_not_moved() {
     for nowhere in [f64::NAN, f64::INFINITY] {
-        let mut run = Run::<f64>::ready(Options::default());
+        let mut run = Run::<f64>::ready(CheckedOptions::default());
         let begin = setpoint::<f64>(0).nodes[0].angle;
-        run.follower = Follower::new(Options::default());
+        run.follower = Follower::new(CheckedOptions::default());
         run.follower
             .stand(&[begin, nowhere], FollowerPosition::default(), false)
             .unwrap();
@@ -826,7 +832,7 @@ fn a_group_that_is_measured_at_no_number_is_not_moved() {
 fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
     let mut torn = 0.0_f64;
     let mut kept = 0.0_f64;
-    let causes = [Reason::Asked, Reason::Silence, Reason::Underrun];
+    let causes = [Reason::HoldCommand, Reason::Silence, Reason::Underrun];
     let moments = (300..2000).step_by(100);
     for (moment, cause) in moments.flat_map(|moment| causes.map(|cause| (moment, cause))) {
         let mut run = Run::<f64>::started();
@@ -857,16 +863,89 @@ fn holding_along_the_path_keeps_closure_and_braking_hinge_by_hinge_does_not() {
     assert!(torn > 1.8_f64.to_radians(), "{torn}");
 }
 
+/// A tick that comes late does not count whole, and the reason says so.
+#[test]
+fn late_ticks_slow_the_motion_and_are_told() {
+    for (millis, reason, rate) in [(10, Reason::None, 1.0), (20, Reason::LateTick, 0.5)] {
+        let mut run = Run::<f32>::started();
+        run.ticks(400);
+        let (begun, now) = (run.time(), run.now);
+        for _ in 0..10 {
+            run.now += (millis - 1) * TICK;
+            run.tick();
+            assert_eq!(run.follower.reason(), reason);
+        }
+        let passed = 1e-6 * (run.now - now) as f64;
+        let gone = (run.time() - begun).to_f64();
+        assert!((gone - rate * passed).abs() < 1e-3, "{gone} in {passed}");
+        run.tick();
+        assert_eq!(run.follower.reason(), Reason::None);
+    }
+}
+
+#[test]
+fn options_that_are_not_sound_are_refused_by_name() {
+    type Change = fn(&mut Options<f32>, f32);
+    let numbers: [(&str, Change); 8] = [
+        ("clock.rise", |it, value| it.clock.rise = value),
+        ("clock.brake", |it, value| it.clock.brake = value),
+        ("lag", |it, value| it.lag = value),
+        ("most_lag", |it, value| it.most_lag = value),
+        ("jump", |it, value| it.jump = value),
+        ("reach", |it, value| it.reach = value),
+        ("spread", |it, value| it.spread = value),
+        ("approach", |it, value| it.approach = value),
+    ];
+    let times: [(&str, Change); 4] = [
+        ("silence", |it, _| it.silence = 0),
+        ("longest_tick", |it, _| it.longest_tick = 0),
+        ("stall", |it, _| it.stall = 0),
+        ("fresh", |it, _| it.fresh = 0),
+    ];
+    let name = |options: Options<f32>| options.checked().unwrap_err().option;
+    for (option, change) in numbers {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.1] {
+            let mut options = Options::default();
+            change(&mut options, value);
+            assert_eq!(name(options), option, "{value}");
+        }
+    }
+    for (option, change) in times {
+        let mut options = Options::default();
+        change(&mut options, 0.0);
+        assert_eq!(name(options), option);
+    }
+    let contradictory = Options {
+        lag: 0.15,
+        ..Options::DEFAULT
+    };
+    let error = contradictory.checked().unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "most_lag: expected a finite angle above lag"
+    );
+    let contradictory = Options {
+        jump: 0.2,
+        ..Options::DEFAULT
+    };
+    assert_eq!(name(contradictory), "reach");
+    assert_eq!(*Options::DEFAULT.checked().unwrap(), Options::default());
+}
+
 #[test]
 fn slow_clocks_and_lost_ticks_neither_jump_nor_stick() {
     let limits = ClockLimits {
         rise: 0.5,
         brake: 0.5,
     };
-    let mut run = Run::<f32>::ready(Options {
-        clock: limits,
-        ..Options::default()
-    });
+    let mut run = Run::<f32>::ready(
+        Options {
+            clock: limits,
+            ..Options::default()
+        }
+        .checked()
+        .unwrap(),
+    );
     run.follower.start().unwrap();
     run.ticks(200);
     let before = run.time();
@@ -894,7 +973,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
         closure: T::CLOSURE_TOLERANCE,
         ..sheet.view()
     };
-    let mut follower = Miura::<T>::new(Options::default());
+    let mut follower = Miura::<T>::new(CheckedOptions::default());
     follower.load(&view, FollowerPosition::default()).unwrap();
     for (number, (time, nodes)) in (0..).zip(knots) {
         let nodes = nodes.map(|node| Node {
@@ -973,7 +1052,7 @@ fn a_long_segment_takes_its_time() {
         acceleration: 1.0,
     }];
     let sheet = lone(Interpolation::Linear, &limits, &none);
-    let mut follower = Follower::<f32, 1, 2>::new(Options::default());
+    let mut follower = Follower::<f32, 1, 2>::new(CheckedOptions::default());
     let place = FollowerPosition {
         knot: 0,
         into: 1000.0,
@@ -1014,7 +1093,7 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
         acceleration: f32::INFINITY,
     }];
     let sheet = lone(Interpolation::Linear, &limits, &none);
-    let mut follower = Follower::<f32, 1, 4>::new(Options::default());
+    let mut follower = Follower::<f32, 1, 4>::new(CheckedOptions::default());
     follower.load(&sheet, FollowerPosition::default()).unwrap();
     for (number, time) in [(0_u8, -3e38), (1, 0.0), (2, 3e38)] {
         let setpoint = Setpoint {
@@ -1056,7 +1135,7 @@ fn rounding_leaves_no_limit() {
             acceleration: 1.0,
         }];
         let sheet = lone(Interpolation::HalfAngle, &limits, &none);
-        let mut follower = Follower::<f32, 1, 2>::new(Options::default());
+        let mut follower = Follower::<f32, 1, 2>::new(CheckedOptions::default());
         follower.load(&sheet, FollowerPosition::default()).unwrap();
         for number in 0..2_u8 {
             let still = Setpoint {

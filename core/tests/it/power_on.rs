@@ -1,7 +1,9 @@
 //! Is a follower safe from the first millisecond: does it start from no unknown place, whatever it is told and measures?
 
 use foldpath_core::acceptance::SheetView;
-use foldpath_core::follower::{Denial, Fault, Follower, FollowerPosition, Options, Reason, State};
+use foldpath_core::follower::{
+    CheckedOptions, Denial, Fault, Follower, FollowerPosition, Reason, State,
+};
 use foldpath_core::{GroupId, Interpolation, Membership, Scalar, StarsView};
 use foldpath_test_support::{Measure as _, Random};
 
@@ -45,7 +47,7 @@ fn a_measured_sheet_approaches_its_path_slowly() {
         run.load(0.5);
         run.measure(|_| 0.5 + off + f32::lit(rng.uniform(-0.01, 0.01)));
         run.follower.start().unwrap();
-        let approach = Options::<f32>::default().approach;
+        let approach = CheckedOptions::<f32>::default().approach;
         assert_eq!(run.follower.reason(), Reason::Approach);
         let first = run.follower.angles()[0];
         assert!((first - 0.5 - off).abs() < 0.011, "{first}");
@@ -96,7 +98,7 @@ fn an_operator_tells_where_the_sheet_stands_and_may_take_it_back() {
 /// A sheet with another number of groups is taken without a power cycle, and its place is not known.
 #[test]
 fn another_sheet_stands_at_an_unknown_place() {
-    let mut follower = Box::new(Follower::<f32, 94, 4>::new(Options::default()));
+    let mut follower = Box::new(Follower::<f32, 94, 4>::new(CheckedOptions::default()));
     follower
         .stand(&[1.0; 2], FollowerPosition::default(), false)
         .unwrap();
@@ -122,7 +124,7 @@ fn a_word_is_no_start() {
     run.follower.stop(false);
     assert_eq!(run.follower.confirm(), Err(Denial::Held));
     run.follower.resume().unwrap();
-    run.follower.hold(Reason::Asked);
+    run.follower.hold(Reason::HoldCommand);
     assert_eq!(run.follower.confirm(), Err(Denial::Held));
     run.follower.resume().unwrap();
     for wrong in [0.5 + 0.11, 0.5 - 0.11, f32::NAN] {

@@ -189,7 +189,7 @@ fn an_s_between_closed_places_is_refused() {
 /// verdict as at once.
 #[test]
 fn vertices_are_checked_in_parts() {
-    use foldpath_core::follower::{Follower, FollowerPosition, Options};
+    use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition};
     let one: Stars<f64> = miura(60.0, false, false);
     let spokes = one.view().iter().next().unwrap().spokes.repeat(7);
     let ends: Vec<u32> = (1..=7).map(|star| 4 * star).collect();
@@ -204,7 +204,7 @@ fn vertices_are_checked_in_parts() {
     // It jumps between the places at which every setpoint is looked at.
     let open = setpoint(1, 5.0, 2.4, [1e-8, 0.0]);
     for (next, weight, is_closed) in [(closed, [1.0, 0.0], true), (open, [1.0, -0.6], false)] {
-        let mut whole = Follower::<f64, 2, 4>::new(Options::default());
+        let mut whole = Follower::<f64, 2, 4>::new(CheckedOptions::default());
         whole.load(&sheet, FollowerPosition::default()).unwrap();
         whole.accept(&sheet, setpoint(0, 0.0, 0.2, weight)).unwrap();
         let mut parts = whole.clone();
@@ -234,7 +234,7 @@ fn vertices_are_checked_in_parts() {
 /// A path is dropped while its setpoint is checked: the setpoint is not queued.
 #[test]
 fn a_path_that_is_dropped_takes_its_unchecked_setpoint_along() {
-    use foldpath_core::follower::{Fault, Follower, FollowerPosition, Options};
+    use foldpath_core::follower::{CheckedOptions, Fault, Follower, FollowerPosition};
     let (stars, limits) = (miura(60.0, false, false), limits(10.0));
     let sheet = SheetView {
         interpolation: KIND,
@@ -243,7 +243,7 @@ fn a_path_that_is_dropped_takes_its_unchecked_setpoint_along() {
         closure: 1e-4,
     };
     for fails in [false, true] {
-        let mut follower = Follower::<f64, 2, 4>::new(Options::default());
+        let mut follower = Follower::<f64, 2, 4>::new(CheckedOptions::default());
         follower.load(&sheet, FollowerPosition::default()).unwrap();
         follower
             .offer(&sheet, setpoint(0, 0.0, 0.2, [1.0, 0.0]))

@@ -321,7 +321,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(State::Done), "Done"),
         (bytes(State::Faulted), "Faulted"),
         (bytes(Reason::None), "reason None"),
-        (bytes(Reason::Asked), "Asked"),
+        (bytes(Reason::HoldCommand), "HoldCommand"),
         (bytes(Reason::Underrun), "Underrun"),
         (bytes(Reason::Silence), "Silence"),
         (bytes(Reason::Lag(300)), "Lag of hinge 300"),
@@ -337,6 +337,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (bytes(Reason::Approach), "Approach"),
         (bytes(Reason::Lease), "Lease"),
+        (bytes(Reason::LateTick), "LateTick"),
         (bytes(Fault::Stalled(300)), "fault Stalled: hinge 300"),
         (bytes(Fault::Leap(1)), "Leap of group 1"),
         (bytes(Fault::Torn(0)), "Torn at essential vertex 0"),
@@ -350,6 +351,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         (bytes(Denial::Unknown(1)), "Unknown: group 1"),
         (bytes(Denial::Spread(1)), "Spread of group 1"),
         (bytes(Denial::Range), "Range"),
+        (bytes(Denial::Nonce), "Nonce"),
         (
             bytes(ItemRefusal::Setpoint(Refusal::Order)),
             "item refused, Setpoint: Order",
@@ -394,6 +396,29 @@ pub(crate) fn documented(block: usize) -> Vec<&'static str> {
 
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
+}
+
+/// A reader takes varints that are longer than their numbers need, up to the length of their type.
+#[test]
+fn varints_may_be_longer_than_their_numbers() {
+    let read = |time: &[u8], groups: &[u8]| {
+        let bytes = [&[5][..], time, groups].concat();
+        let read = postcard::from_bytes::<ToDevice<'_>>(&bytes).ok();
+        read.map(|message| format!("{message:?}"))
+    };
+    let short = read(&[1], &[0]);
+    assert!(short.is_some());
+    for time in [
+        &[0x81, 0][..],
+        &[0x81, 0x80, 0],
+        &[0x81, 0x80, 0x80, 0x80, 0],
+    ] {
+        assert_eq!(read(time, &[0x80, 0x80, 0]), short);
+    }
+    // Six bytes, and more than 32 and 16 bits.
+    assert_eq!(read(&[0x81, 0x80, 0x80, 0x80, 0x80, 0], &[0]), None);
+    assert_eq!(read(&[0x81, 0x80, 0x80, 0x80, 0x10], &[0]), None);
+    assert_eq!(read(&[1], &[0x80, 0x80, 4]), None);
 }
 
 #[test]

@@ -3,6 +3,8 @@
 //! A board offers a serial line by the traits of [`embedded_io`], whose interrupts fill and empty queues
 //! ([`Fifo`](crate::Fifo)), and everything else as a [`Board`]. Nothing here waits.
 
+use core::num::NonZero;
+
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
@@ -129,7 +131,10 @@ where
         let starts = kept.map_or(0, |kept| kept.starts.wrapping_add(1));
         // A warm reset may leave the board's own number as it was. If that is a count below the number of the chip, both
         // stay apart from these bits.
-        let nonce = settings.nonce ^ u64::from(starts.reverse_bits());
+        let starts_apart = |nonce: NonZero<u64>| nonce.get() ^ u64::from(starts.reverse_bits());
+        let nonce = settings
+            .nonce
+            .and_then(|nonce| NonZero::new(starts_apart(nonce)));
         Self {
             board,
             line,

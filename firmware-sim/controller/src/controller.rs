@@ -5,8 +5,10 @@
 //! [drives](Controller::drive) the hinges, keeps the [record](Controller::record), calls [`Controller::poll`] and
 //! [takes](Controller::take) bytes for the line. Times are microseconds on the controller's clock.
 
+use core::num::NonZero;
+
 use foldpath_core::follower::{
-    Denial, Fault, Follower, Measurement, Options, Reason, State, Target,
+    CheckedOptions, Denial, Fault, Follower, Measurement, Reason, State, Target,
 };
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::key::Key;
@@ -48,15 +50,14 @@ pub const ALONE: Membership = Membership {
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Options of the follower.
-    pub follower: Options<f32>,
+    pub follower: CheckedOptions<f32>,
     /// Largest closure residual that a host may ask for.
     pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
     /// Number that tells this run from all other runs of the controller, and from the runs of controllers that have the same
-    /// key: a random number of the hardware; or a count in memory that keeps it without power, with the number of the chip
-    /// in the upper half. With a number that comes again, bytes that somebody recorded move the sheet.
-    pub nonce: u64,
+    /// key. With a number that comes again, bytes that somebody recorded move the sheet. Without one, no host moves it.
+    pub nonce: Option<NonZero<u64>>,
     /// Number that tells this image and its hinge map from others of the same board: a checksum of both, for one. A record that
     /// another image has left does not count.
     pub image: u32,
@@ -72,14 +73,19 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Returns the usual options of a board with this nonce and these limits.
+    /// Returns the usual options of a board with these limits.
+    ///
+    /// `draws` are two numbers that its source of nonces gives one after the other: random numbers of the hardware; or a
+    /// count in memory that keeps it without power, and the number of the chip. If they are the same, the source does not
+    /// vary, and there is no [nonce](Self::nonce): the continuous test of random numbers in FIPS 140-2, section 4.9.2.
     #[must_use]
-    pub fn new(nonce: u64, limits: fn(hinge: u32) -> GroupLimits) -> Self {
+    pub fn new(draws: [u64; 2], limits: fn(hinge: u32) -> GroupLimits) -> Self {
+        let [first, second] = draws;
         Self {
-            follower: Options::default(),
+            follower: CheckedOptions::default(),
             closure: 1e-3,
             telemetry: 20_000,
-            nonce,
+            nonce: NonZero::new(first ^ second.rotate_left(32)).filter(|_| first != second),
             image: 0,
             limits,
             closed: true,
@@ -130,15 +136,15 @@ pub struct Controller<
     pub(crate) receiver: Receiver<P>,
     /// `true` if the stop line was drawn since a command was last answered.
     drawn: bool,
-    /// State, reason and room that the host was last told, whether the stop line holds, and whether it is known where the
+    /// State, reason and room of the last report, whether the stop line held, and whether it was known where the
     /// sheet stands.
-    told: Option<(State, Reason, usize, [bool; 2])>,
-    /// Time when telemetry was due last. The tick behind that of the time `asked` is told: `asks` until then.
+    reported: Option<(State, Reason, usize, [bool; 2])>,
+    /// Time when telemetry was due last. It is taken in the tick behind that of the time `due_tick`; `is_due` until then.
     telemetry: u64,
-    asks: bool,
+    is_due: bool,
     /// `true` if the host of this session tells what it has seen.
     sees: bool,
-    asked: u32,
+    due_tick: u32,
     /// Time when telemetry was last sent (`posted`, lowest 32 bits), and microseconds from then on until more is sent
     /// (`pause`): 0 for a host that does not tell what it has seen.
     posted: u32,
@@ -184,7 +190,7 @@ impl<
         let count = |room: usize| u16::try_from(room).unwrap_or(u16::MAX);
         let identity = Identity {
             node: settings.node,
-            nonce: settings.nonce,
+            nonce: settings.nonce.map_or(0, NonZero::get),
             capacity: Capacity {
                 groups: count(GROUPS),
                 hinges: count(HINGES),
@@ -199,11 +205,11 @@ impl<
             deframer: Deframer::default(),
             ring: Ring::default(),
             drawn: false,
-            told: None,
+            reported: None,
             telemetry: 0,
-            asks: false,
+            is_due: false,
             sees: false,
-            asked: 0,
+            due_tick: 0,
             posted: 0,
             pause: 0,
             patience: UNSEEN_US,
@@ -333,7 +339,7 @@ impl<
             Event::Alive => {}
             // On a slow line the next telemetry waits for as long again, so that it takes no more than half of the line.
             Event::Seen(time, groups) => {
-                let newest = (low_bits(self.snapshot.time), self.snapshot.told());
+                let newest = (low_bits(self.snapshot.time), self.snapshot.groups_sent());
                 let passed = low_bits(now).wrapping_sub(self.posted);
                 self.sees = true;
                 if newest == (time, groups.into()) {
@@ -354,8 +360,15 @@ impl<
                 // The host may have sent `Resume` before it knew of the stop line. The denial tells it, and a later
                 // `Resume` counts.
                 let unaware = core::mem::take(&mut self.drawn) && command == Command::Resume;
+                let moves = match command {
+                    Command::Start => true,
+                    Command::Jog { to, .. } => to.is_some(),
+                    _ => false,
+                };
                 let answer = if unaware {
                     Err(Denial::Held)
+                } else if moves && self.settings.nonce.is_none() {
+                    Err(Denial::Nonce)
                 } else {
                     loader.obey(command, &self.settings)
                 };
@@ -436,7 +449,7 @@ impl<
         mut drive: impl FnMut(u32, Membership, Option<Target<f32>>) -> Option<Measurement<f32>>,
     ) {
         let follower = &self.loader.follower;
-        if self.asks || !follower.is_known() || self.loader.jog.hinge().is_some() {
+        if self.is_due || !follower.is_known() || self.loader.jog.hinge().is_some() {
             return self.drive_and_note(&mut drive);
         }
         let Loader {
@@ -496,7 +509,7 @@ impl<
         let room = follower.room();
         let [stopped, known] = [follower.is_stopped(), follower.is_known()];
         let news = self
-            .told
+            .reported
             .is_none_or(|(old_state, old_reason, old_room, old_flags)| {
                 (state, reason, [stopped, known]) != (old_state, old_reason, old_flags)
                     || room >= old_room + KNOTS.div_ceil(4)
@@ -534,12 +547,12 @@ impl<
                 self.greeted_at = Some(now);
             }
             self.receiver.sent();
-            self.told = Some((state, reason, room, [stopped, known]));
+            self.reported = Some((state, reason, room, [stopped, known]));
         }
         if self.receiver.session().is_some() {
-            self.tell(now, &mut buffer);
+            self.send_telemetry(now, &mut buffer);
         } else {
-            self.asks = false;
+            self.is_due = false;
         }
     }
 
@@ -550,19 +563,19 @@ impl<
 
     /// Sends telemetry, as far as there is room for it. All pieces are of one moment. Telemetry that finds the line busy at
     /// its time is dropped.
-    fn tell(&mut self, now: u64, buffer: &mut [u8]) {
+    fn send_telemetry(&mut self, now: u64, buffer: &mut [u8]) {
         let tick = low_bits(self.loader.follower.now());
-        if !self.asks {
+        if !self.is_due {
             if low_bits(now).wrapping_sub(self.posted) < self.pause {
                 return;
             }
             let due = now.saturating_sub(self.telemetry) >= self.settings.telemetry;
             if due && self.snapshot.is_sent() {
-                (self.asks, self.asked, self.telemetry) = (true, tick, now);
+                (self.is_due, self.due_tick, self.telemetry) = (true, tick, now);
                 self.window.clear();
             }
-        } else if tick != self.asked {
-            self.asks = false;
+        } else if tick != self.due_tick {
+            self.is_due = false;
             // On a slow line, answers would otherwise wait behind telemetry that nobody needs any more.
             if self.ring.is_empty() {
                 self.snapshot.take(&self.loader.follower, now);
@@ -591,7 +604,7 @@ impl<
 
     /// Returns the next message of telemetry: the pieces of the snapshot, and then the window.
     fn message(&self) -> Option<ToHost<'_>> {
-        if self.asks {
+        if self.is_due {
             return None;
         }
         let piece = self.snapshot.message();

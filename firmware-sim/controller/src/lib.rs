@@ -13,25 +13,25 @@
 extern crate std;
 
 mod application;
+mod channel;
 mod controller;
-mod decimal;
 mod fifo;
 #[cfg(feature = "embedded-hal")]
 pub mod hal;
 mod jog;
 mod loader;
-pub mod map;
 mod player;
 mod power;
 pub mod retained;
+pub mod servo_bus;
 pub mod sheet;
 mod snapshot;
 pub mod stored;
 mod window;
 
 pub use application::{Application, Board, TICK};
+pub use channel::Channel;
 pub use controller::{ALONE, Condition, Controller, FRAME, Settings, WAITING};
 pub use fifo::{Fifo, Line};
-pub use map::{HingeMap, MapError};
 pub use player::{PlayRefusal, Player, PlayerError};
 pub use power::{Hold, Power};

@@ -136,7 +136,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
             }
             Command::Stand => follower.confirm(),
             Command::Hold => {
-                follower.hold(Reason::Asked);
+                follower.hold(Reason::HoldCommand);
                 Ok(())
             }
             Command::Resume if !self.loaded && follower.is_under_way() => Err(Denial::State),
@@ -146,6 +146,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
                 let begun = matches!(follower.state(), State::Holding | State::Done);
                 follower.forget()?;
                 (self.path, self.holds) = (0, false);
+                self.jog = Jog::default();
                 if begun {
                     self.sheet.clear();
                 }

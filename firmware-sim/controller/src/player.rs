@@ -116,10 +116,10 @@ struct Start {
 /// | [`Ready`](State::Ready), a start was refused | asks for the start once more | the same, with the operator's word |
 /// | [`Running`](State::Running), or holding for a reason that passes (an empty queue, a lagging hinge, a lease) | holds | holds |
 /// | [`Holding`](State::Holding) for any other reason | resumes | resumes |
-/// | the stop line holds | refused: `Denied(Held)` | the same |
+/// | the stop line holds, or a host has asked to hold | refused: `Denied(Held)` | the same |
 /// | [`Faulted`](State::Faulted) | refused: `Fault` | the same |
 ///
-/// Only [`release`](Self::release), or a host, undoes a stop line or a fault. Nothing moves by that.
+/// Only [`release`](Self::release), or a host, undoes a stop line, a fault or a host's hold. Nothing moves by that.
 ///
 /// A start from a place that nobody knows waits for `Options::fresh`, so that all hinges can be measured, and nothing
 /// counts that was measured before the press. If a group was not measured then, it is refused as [`Denial::Unknown`].
@@ -162,8 +162,8 @@ impl<'a> Player<'a> {
         self.ask = Some(Ask::PressFlat);
     }
 
-    /// Notes that an operator undoes the stop line, which must not be drawn any more, and a fault. The path is dropped, and
-    /// its place is kept. Nothing moves before the next press.
+    /// Notes that an operator undoes the stop line, which must not be drawn any more, a fault, and a hold that a host has asked
+    /// for. The path is dropped, and its place is kept. Nothing moves before the next press.
     pub fn release(&mut self) {
         self.ask = Some(Ask::Release);
     }
@@ -266,15 +266,7 @@ impl<
         match &mut player.play {
             Some(play) if play.start.is_some() => play.start = None,
             Some(_) if follower.is_under_way() => {
-                let passes = matches!(
-                    follower.reason(),
-                    Reason::None
-                        | Reason::Underrun
-                        | Reason::Lag(_)
-                        | Reason::Lease
-                        | Reason::Approach
-                );
-                let command = if passes {
+                let command = if follower.reason().passes() {
                     Command::Hold
                 } else {
                     Command::Resume
@@ -286,6 +278,10 @@ impl<
                 if state == State::Running || follower.rate() > 0.0 {
                     return Err(Denial::Moving.into());
                 }
+                // Whoever asked to hold may stand beside the sheet.
+                if follower.reason() == Reason::HoldCommand {
+                    return Err(Denial::Held.into());
+                }
                 let items = if flat {
                     Some(player.there)
                 } else {
@@ -293,7 +289,7 @@ impl<
                 };
                 let items = items.ok_or(PlayRefusal::Done)?;
                 self.vacate(Command::Unload)?;
-                // Whatever has held the motion before, somebody asks to go on now.
+                // Nobody else has asked to hold.
                 self.loader.obey(Command::Resume, &self.settings)?;
                 player.play = Some(Play {
                     items,
@@ -311,7 +307,9 @@ impl<
             return Err(PlayRefusal::Host);
         }
         let fault = follower.fault().is_some();
-        if !(fault || follower.is_stopped()) {
+        // A hold of this player ends with the next press.
+        let held = player.play.is_none() && follower.reason() == Reason::HoldCommand;
+        if !(fault || held || follower.is_stopped()) {
             return Ok(());
         }
         player.play = None;

@@ -55,7 +55,7 @@ impl<const GROUPS: usize> Snapshot<GROUPS> {
     }
 
     /// Returns the number of groups that were sent.
-    pub(crate) fn told(&self) -> usize {
+    pub(crate) fn groups_sent(&self) -> usize {
         self.sent.unwrap_or(self.groups)
     }
 

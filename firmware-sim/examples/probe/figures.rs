@@ -161,6 +161,13 @@ fn step(meter: &mut Meter<impl FnMut() -> u32>) -> Result<u32, Failure> {
     cost.checked_div(steps).ok_or(Failure::Open)
 }
 
+/// Ticks and drives all hinges, which are where they are commanded to be. Not inlined, as in the main loop of a board.
+#[inline(never)]
+fn tick<P: Protection>(device: &mut Controller<2, HINGES, 4, 16, P>, now: u64) {
+    device.tick(now);
+    device.drive(|_, _, target| target.map(|target| target.angle.into()));
+}
+
 /// Measures a tick that drives this number of `hinges`, the record that the tick keeps, and the reception, check and
 /// answer of a setpoint, over a link with a key if there is one; returns the mean of each.
 // Not inlined, so that the stack of one thing at a time is in use.
@@ -188,7 +195,7 @@ fn stream<P: Protection>(
         sender = sender.with_key(key, 1);
     }
     let mut answers = cobs::Deframer::<256>::default();
-    let settings = Settings::new(1, |_| ANY);
+    let settings = Settings::new([1, 0], |_| ANY);
     let mut device =
         Controller::<2, HINGES, 4, 16, P>::protected(settings, P::with_key(key.into()));
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
@@ -196,10 +203,7 @@ fn stream<P: Protection>(
     let (mut records, mut record): (_, retained::Bytes<2>) = ((0, 0), ([0; HEAD], [[0; 4]; 2]));
     for now in (1..=3000).map(|tick| 1000 * tick) {
         let room = device.follower().room();
-        let cost = meter.measure(|| {
-            device.tick(now);
-            device.drive(|_, _, target| target.map(|target| target.angle.into()));
-        });
+        let cost = meter.measure(|| tick(&mut device, now));
         if device.follower().state() == State::Running {
             ticks = (ticks.0 + cost, ticks.1 + 1);
             let cost = meter.measure(|| device.record(1, ticks.1).seal(0, &mut record));

@@ -274,7 +274,8 @@ fn stream(
     let items = PathItems::new(path, limits, &[], stars, OPEN, place).ok_or(Failure::Size)?;
     let mut sender = Sender::new(1, sender::Options::default());
     let mut answers = Deframer::<{ FRAME }>::default();
-    let mut device = Controller::<GROUPS, 1, 16, 8>::protected(Settings::new(1, |_| ANY), Unkeyed);
+    let mut device =
+        Controller::<GROUPS, 1, 16, 8>::protected(Settings::new([1, 0], |_| ANY), Unkeyed);
     let (mut scratch, mut buffer) = ([0; 256], [0; 256]);
     let (mut now, mut told) = (0, false);
     for tick in 0_u32.. {

@@ -2,6 +2,7 @@
 
 use core::cell::RefCell;
 use core::convert::Infallible;
+use core::num::NonZero;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -271,15 +272,20 @@ impl<const G: usize> Machine<G> {
 impl<const G: usize, P: Protection> Machine<G, P> {
     /// Switches a board on whose memory holds nothing, and whose line may set a key or not.
     pub(crate) fn with_line(nonce: u64, pairs: bool) -> Self {
+        Self::with_settings(Settings {
+            pairs,
+            ..settings(nonce)
+        })
+    }
+
+    /// Switches a board on whose memory holds nothing, with these settings until its first reset.
+    pub(crate) fn with_settings(settings: Settings) -> Self {
         let bench = Shared::default();
         {
             let mut bench = bench.0.borrow_mut();
             (bench.now, bench.follows) = (1_000_000, true);
         }
-        let settings = Settings {
-            pairs,
-            ..settings(nonce)
-        };
+        let (nonce, pairs) = (settings.nonce.map_or(0, NonZero::get), settings.pairs);
         let controller = Application::new(bench.clone(), bench.clone(), settings);
         Self {
             controller: Box::new(controller),

@@ -1,6 +1,6 @@
 //! Tests of the controller's program on the host, in virtual time, with one module for each subject.
 
-mod astray;
+mod elsewhere;
 mod faults;
 mod fuzz;
 mod jog;
@@ -10,8 +10,10 @@ mod loading;
 mod machine;
 mod path;
 mod player;
+mod port;
 mod power_on;
 mod refusals;
 mod resets;
+mod servo_buses;
 mod stops;
 mod world;

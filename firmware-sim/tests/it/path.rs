@@ -1,6 +1,7 @@
 //! The path of a Miura fold whose motion is known in closed form, and a controller that has room for it.
 
 use core::f64::consts::{PI, SQRT_2};
+use core::num::NonZero;
 
 use foldpath_controller::{Controller, Settings};
 use foldpath_core::follower::FollowerPosition;
@@ -35,11 +36,12 @@ pub(crate) const BOARD: GroupLimits = GroupLimits {
     acceleration: f32::INFINITY,
 };
 
-/// Returns the options of a board on which any sheet may hang.
+/// Returns the options of a board on which any sheet may hang. A nonce is not 0, as a seed may be.
 pub(crate) fn settings(nonce: u64) -> Settings {
     Settings {
         closed: false,
-        ..Settings::new(nonce, |_| BOARD)
+        nonce: NonZero::new(nonce).or(NonZero::new(1 << 40)),
+        ..Settings::new([0, 1], |_| BOARD)
     }
 }
 

@@ -125,12 +125,12 @@ fn a_press_holds_and_the_next_one_resumes() {
     desk.run(None, 500);
     assert_eq!(
         (desk.state(), desk.reason()),
-        (State::Holding, Reason::Asked)
+        (State::Holding, Reason::HoldCommand)
     );
     desk.rests();
     assert_eq!(
         (desk.state(), desk.reason()),
-        (State::Holding, Reason::Asked)
+        (State::Holding, Reason::HoldCommand)
     );
     assert_eq!(desk.press(), None);
     desk.finish();
@@ -226,6 +226,33 @@ fn a_button_does_nothing_while_a_host_is_there() {
     desk.run(Some(&mut second), 4000);
     assert!(second.is_done());
     assert!(!desk.player.is_playing());
+    assert_eq!(desk.machine.command().map(f32::to_bits), Some(last(&path)));
+}
+
+/// An operator has asked to hold, and has gone to the sheet: a press of somebody else does not move it.
+#[test]
+fn a_hold_of_a_host_is_undone_by_release_and_by_no_press() {
+    let path = Path::miura();
+    let file = path.file();
+    let mut desk = Desk::new(&file, None);
+    let mut operator = host(&path, Persistence::None).confirming();
+    desk.run(Some(&mut operator), 900);
+    operator.stop();
+    desk.run(Some(&mut operator), 500);
+    desk.run(None, 1100);
+    for _ in 0..2 {
+        let held = Some(PlayRefusal::Denied(Denial::Held));
+        assert_eq!([desk.press(), desk.press_flat()], [held; 2]);
+        assert_eq!(
+            (desk.state(), desk.reason()),
+            (State::Holding, Reason::HoldCommand)
+        );
+        desk.rests();
+    }
+    assert_eq!(desk.release(), None);
+    desk.rests();
+    assert_eq!(desk.press(), None);
+    desk.finish();
     assert_eq!(desk.machine.command().map(f32::to_bits), Some(last(&path)));
 }
 

@@ -1,19 +1,19 @@
 //! Is a board safe from the first millisecond, with 2, 11 and 94 groups: after power-on, and against bytes that were
 //! recorded or forged?
 
-use foldpath_controller::Application;
+use foldpath_controller::Settings;
 use foldpath_core::follower::{Denial, Reason, State};
 use foldpath_core::wire::driver::Persistence;
 use foldpath_core::wire::message::ItemRefusal;
 
-use crate::machine::{EXACT, Machine, Path, Sensor, Shared, told};
-use crate::path::settings;
+use crate::machine::{EXACT, Machine, Path, Sensor, told};
+use crate::path::{BOARD, settings};
 
 /// Power is cut and comes back at 20 moments. Nothing moves, whether the host goes on or begins anew, and whatever the
 /// sensors say; an operator's word lets the fold begin once the sheet is flat again.
 fn after_power_on_nothing_moves<const G: usize>() {
     let path = Path::new(G);
-    let mut nonce = 0;
+    let mut nonce = 1;
     for moment in 0..20 {
         let mut machine = Machine::<G>::new(nonce);
         let mut host = path.driver(Persistence::None, 7).confirming();
@@ -142,24 +142,45 @@ fn no_message_widens_the_limits_of_the_board() {
 }
 
 /// A board that asks for essential vertices takes no sheet without.
+/// A source that gives the same number twice does not vary: what somebody recorded could come again. Hinges can be watched.
+#[test]
+fn without_a_nonce_that_varies_nothing_moves() {
+    for (draws, denied) in [
+        ([0, 0], true),
+        ([u64::MAX; 2], true),
+        ([7, 7], true),
+        ([7, 8], false),
+        ([1 << 32, 0], false),
+    ] {
+        let drawn = Settings::new(draws, |_| BOARD);
+        assert_eq!(drawn.nonce.is_none(), denied);
+        let mut machine = Machine::<2>::with_settings(Settings {
+            closed: false,
+            ..drawn
+        });
+        let path = Path::new(2);
+        let mut host = path.driver(Persistence::None, 7).confirming();
+        machine.run(Some(&mut host), 4000);
+        let report = told(&host);
+        if denied {
+            assert_eq!(
+                (report.state, report.denied),
+                (State::Ready, Some(Denial::Nonce))
+            );
+            assert_eq!(machine.command(), None);
+        } else {
+            assert!(host.is_done());
+        }
+    }
+}
+
 #[test]
 fn a_sheet_with_vertices_needs_its_spokes() {
-    use foldpath_controller::Settings;
     let path = Path::new(2);
-    let bench = Shared::default();
-    let settings = Settings {
+    let mut machine = Machine::<2>::with_settings(Settings {
         closed: true,
         ..settings(1)
-    };
-    let controller = Application::new(bench.clone(), bench.clone(), settings);
-    let mut machine = Machine::<2> {
-        controller: Box::new(controller),
-        bench,
-        recorded: Vec::new(),
-        nonce: 1,
-        pairs: false,
-        image: 0,
-    };
+    });
     let mut host = path.driver(Persistence::None, 7).confirming();
     machine.run(Some(&mut host), 300);
     assert_eq!(told(&host).refused, Some(ItemRefusal::Stars));

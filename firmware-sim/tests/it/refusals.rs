@@ -251,7 +251,7 @@ fn commands_are_denied_with_their_reasons() {
     talk.tick();
     assert_eq!(talk.command(Command::Unload), Some(Denial::Moving));
     assert_eq!(talk.command(Command::Hold), None);
-    assert_eq!(talk.report.unwrap().reason, Reason::Asked);
+    assert_eq!(talk.report.unwrap().reason, Reason::HoldCommand);
 }
 
 /// Remains of a session do not become the path of the next session: not by an empty piece, not by a setpoint that would

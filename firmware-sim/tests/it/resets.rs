@@ -315,7 +315,7 @@ fn an_approach_is_stopped_by_its_host_and_goes_on_behind_a_reset() {
         machine.run(Some(&mut host), 400);
         assert_eq!(
             (told(&host).state, told(&host).reason),
-            (State::Holding, Reason::Asked)
+            (State::Holding, Reason::HoldCommand)
         );
         let stood = machine.command().unwrap();
         machine.run(Some(&mut host), 100);

@@ -405,6 +405,9 @@ pub(crate) struct Drive {
     /// `save`, or at the end if all commands came as arguments and were done.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
+    /// Rust source of the map, for the image of the board; written whenever the map is
+    #[arg(long, value_name = "FILE", requires = "map")]
+    pub(crate) rust: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) line: LineArgs,
     /// Print the answer to each command as a JSON object, one on each line

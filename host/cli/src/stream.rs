@@ -17,7 +17,7 @@ use crate::reach::{self, Host};
 use crate::report::outcome;
 use crate::standard::{Input, print_summary, shown, source};
 use crate::values::{Seeded, Target};
-use crate::{Answer, CliError, check_output, print_json};
+use crate::{Answer, CliError, check_output, print_json, say};
 use foldpath::folding::Rigidity;
 use foldpath::stream::{
     self, Ending, Faulty, Link, Measured, Options, Outcome, Plant, Sim, Stands, StreamPath,
@@ -86,12 +86,12 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
             if let Some(key) = key {
                 sim = sim.with_key(key);
             }
-            let summary = session(&mut sim, args, &path, Host { id: 1, ..host }, bars)?;
+            let summary = session(&mut sim, args, &path, Host { id: 1, ..host }, bars, quiet)?;
             rigidity = sim.plant().and_then(Plant::rigidity);
             summary
         }
         to => match reach::open(to, &args.line, key)? {
-            (_, Ok(mut link)) => session(&mut *link, args, &path, host, bars)?,
+            (_, Ok(mut link)) => session(&mut *link, args, &path, host, bars, quiet)?,
             (name, Err(error)) => {
                 let mut summary = Summary::default();
                 summary.reason = Some(Ending::Line(format!("{name}: {error}")));
@@ -167,13 +167,14 @@ fn plant(args: &Stream, path: &StreamPath) -> Result<Plant, CliError> {
     })
 }
 
-/// Runs a session with the faults and the log that were asked for.
+/// Runs a session with the faults and the log that were asked for, and with bars or quietly.
 fn session(
     link: &mut dyn Link,
     args: &Stream,
     path: &StreamPath,
     host: Host,
-    shown: bool,
+    bars: bool,
+    quiet: bool,
 ) -> Result<Summary, CliError> {
     let mut faulty;
     let mut link: &mut dyn Link = match args.faults {
@@ -211,7 +212,8 @@ fn session(
         pressed: &pressed,
         begun: Instant::now(),
         shown: None,
-        bar: shown.then(progress::hidden_bar),
+        bar: bars.then(progress::hidden_bar),
+        quiet,
     };
     let followed = watch
         .head()
@@ -329,6 +331,7 @@ struct Watch<'a> {
     begun: Instant,
     shown: Option<Instant>,
     bar: Option<ProgressBar>,
+    quiet: bool,
 }
 
 impl Watch<'_> {
@@ -381,6 +384,15 @@ impl Watch<'_> {
 }
 
 impl Watcher for Watch<'_> {
+    fn slowed(&mut self, reason: Reason) {
+        let note = || say(&format!("note: the motion is slow or at rest: {reason}"));
+        match &self.bar {
+            _ if self.quiet => {}
+            Some(bar) => bar.suspend(note),
+            None => note(),
+        }
+    }
+
     fn telemetry(&mut self, telemetry: &Telemetry) -> io::Result<()> {
         let (time, state) = (telemetry.time, telemetry.state);
         let mut row = format!("{time},{state:?},{}", telemetry.place.knot);
@@ -447,7 +459,7 @@ mod tests {
         };
         for (ending, text) in [
             (
-                Ending::Held(Reason::Asked),
+                Ending::Held(Reason::HoldCommand),
                 "a host has asked to hold; --resume goes on from where the sheet stands",
             ),
             (

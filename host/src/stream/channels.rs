@@ -1,13 +1,27 @@
-//! Edits the map from hinges to channels, which boards read as a [`HingeMap`](foldpath_firmware_sim::controller::HingeMap). Other than
-//! that, this map may lack hinges: it grows while a board is commissioned. Lines that do not change stay as they are.
+//! Edits the map from hinges to channels: a text that people edit as well.
+//!
+//! ```text
+//! # Servos of the left half.
+//! hinge,channel,zero,sign,lower,upper
+//! 0,3,1.5708,+,-1.6,1.6
+//! 1,0,1.4,-,-1.6,0
+//! ```
+//!
+//! Each line gives a hinge, in the pattern's order, its channel, the angle of the channel at which the hinge is flat
+//! (`zero`, radians), `+` if the channel turns with the hinge and `-` if it turns against it, and the smallest and largest
+//! angle of the hinge (radians, valley positive). Lines may come in any order; spaces round values, blank lines and what
+//! follows a `#` are ignored. The map may lack hinges, because it grows while a board is commissioned. Lines that do not
+//! change stay as they are.
 
-use core::fmt;
+use core::fmt::{self, Write as _};
 use std::path::Path;
 
-pub use foldpath_firmware_sim::controller::map::Channel;
-use foldpath_firmware_sim::controller::map::{Entry, Flaw, HEADER};
+pub use foldpath_firmware_sim::controller::Channel;
 
 use crate::read::FileError;
+
+/// The first line of a map.
+const HEADER: &str = "hinge,channel,zero,sign,lower,upper";
 
 /// A map that people and [`Bench`](super::Bench) fill.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +33,50 @@ pub struct Channels {
 struct Line {
     text: String,
     /// `None` for the header, a comment or an empty line.
-    entry: Option<Entry>,
+    entry: Option<(u16, Channel)>,
+}
+
+/// Reads a line without its comment.
+///
+/// # Errors
+/// What was expected instead.
+fn parse_entry(content: &str) -> Result<(u16, Channel), &'static str> {
+    let values: Vec<&str> = content.split(',').map(str::trim).collect();
+    let [hinge, channel, zero, sign, lower, upper] = values[..] else {
+        return Err("six values with commas between them");
+    };
+    let number = |text: &str| text.parse().ok().filter(|number: &f32| number.is_finite());
+    let hinge = hinge
+        .parse()
+        .map_err(|_| "the number of a hinge of the sheet")?;
+    let channel = Channel {
+        channel: channel.parse().map_err(|_| "a channel from 0 to 65535")?,
+        zero: number(zero).ok_or("zero as a number of radians")?,
+        negative: match sign {
+            "-" | "-1" => true,
+            "+" | "1" | "+1" => false,
+            _ => return Err("a sign, + or -"),
+        },
+        lower: number(lower).ok_or("lower as a number of radians")?,
+        upper: number(upper).ok_or("upper as a number of radians")?,
+    };
+    if channel.lower > channel.upper {
+        return Err("lower at or below upper");
+    }
+    Ok((hinge, channel))
+}
+
+/// Formats a line, with the shortest decimals that mean the same numbers.
+fn line_of(hinge: u16, channel: Channel) -> String {
+    let Channel {
+        channel,
+        zero,
+        negative,
+        lower,
+        upper,
+    } = channel;
+    let sign = if negative { '-' } else { '+' };
+    format!("{hinge},{channel},{zero},{sign},{lower},{upper}")
 }
 
 impl Channels {
@@ -32,26 +89,25 @@ impl Channels {
         let mut headed = false;
         for (number, text) in (1..).zip(text.lines()) {
             let content = text.split('#').next().unwrap_or_default().trim();
-            let wrong = |flaw: Flaw| {
-                FileError::expected(file, format!("line {number}"), flaw.to_string(), content)
+            let wrong = |expected: String| {
+                FileError::expected(file, format!("line {number}"), expected, content)
             };
             let entry = if content.is_empty() {
                 None
             } else if headed {
-                let entry = Entry::parse(content).map_err(wrong)?;
-                let (hinge, channel) = (entry.hinge, entry.channel.channel);
+                let (hinge, channel) = parse_entry(content).map_err(|it| wrong(it.into()))?;
                 if this.get(hinge).is_some() {
-                    return Err(wrong(Flaw::HingeTwice(hinge)));
+                    return Err(wrong(format!("hinge {hinge} once")));
                 }
-                if this.owner(channel).is_some() {
-                    return Err(wrong(Flaw::ChannelTwice(channel)));
+                if this.owner(channel.channel).is_some() {
+                    return Err(wrong(format!("channel {} once", channel.channel)));
                 }
-                Some(entry)
+                Some((hinge, channel))
             } else if content == HEADER {
                 headed = true;
                 None
             } else {
-                return Err(wrong(Flaw::Header));
+                return Err(wrong(format!("the header {HEADER}")));
             };
             let text = text.to_string();
             this.lines.push(Line { text, entry });
@@ -61,8 +117,7 @@ impl Channels {
 
     /// Iterates over the hinges and their channels, in the order of the lines.
     pub fn iter(&self) -> impl Iterator<Item = (u16, Channel)> {
-        let entries = self.lines.iter().filter_map(|line| line.entry);
-        entries.map(|Entry { hinge, channel }| (hinge, channel))
+        self.lines.iter().filter_map(|line| line.entry)
     }
 
     /// Returns the channel of a hinge, if the map has it.
@@ -83,12 +138,11 @@ impl Channels {
         if self.get(hinge) == Some(channel) {
             return;
         }
-        let entry = Entry { hinge, channel };
         let line = Line {
-            text: entry.to_string(),
-            entry: Some(entry),
+            text: line_of(hinge, channel),
+            entry: Some((hinge, channel)),
         };
-        let mine = |line: &&mut Line| line.entry.is_some_and(|entry| entry.hinge == hinge);
+        let mine = |line: &&mut Line| line.entry.is_some_and(|entry| entry.0 == hinge);
         if let Some(old) = self.lines.iter_mut().find(mine) {
             *old = line;
             return;
@@ -106,6 +160,32 @@ impl Channels {
         let last = self.iter().map(|row| row.0).max()?;
         (0..last).find(|hinge| self.get(*hinge).is_none())
     }
+
+    /// Formats the channels of all hinges as a constant in Rust, for the image of a board. The source needs
+    /// `foldpath-controller` and no `std`.
+    ///
+    /// # Errors
+    /// If the map [lacks](Self::missing) a hinge; the error is its number.
+    pub fn rust(&self) -> Result<String, u16> {
+        if let Some(hinge) = self.missing() {
+            return Err(hinge);
+        }
+        let mut rows: Vec<(u16, Channel)> = self.iter().collect();
+        rows.sort_by_key(|row| row.0);
+        let mut text = format!(
+            "// Channels of {} hinges. Written by `foldpath drive --rust`.\n\n\
+             /// Channel of each hinge, in the pattern's order. Angles are in radians.\n\
+             #[allow(clippy::approx_constant)]\n\
+             pub const CHANNELS: &[foldpath_controller::Channel] = &[\n",
+            rows.len()
+        );
+        for (_, channel) in rows {
+            // `Debug` of numbers and booleans writes literals that mean the same value; writing to memory cannot fail.
+            let _complete = writeln!(text, "    foldpath_controller::{channel:?},");
+        }
+        text += "];\n";
+        Ok(text)
+    }
 }
 
 /// Writes the text of the map, with LF at the end of each line.
@@ -120,7 +200,6 @@ impl fmt::Display for Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foldpath_firmware_sim::controller::HingeMap;
 
     const TEXT: &str = "# left half\n\nhinge,channel,zero,sign,lower,upper\n1 , 7,-0.25,-,-1.5,0.1 # second\n0,3,1.5708,+,-1.6,1.6\n";
 
@@ -128,7 +207,6 @@ mod tests {
         Channels::parse(text, Path::new("map.csv")).map_err(|error| error.to_string())
     }
 
-    /// What is written is what boards read.
     #[test]
     fn what_does_not_change_stays_as_it_is() {
         let mut map = parse(TEXT).unwrap();
@@ -137,10 +215,16 @@ mod tests {
             parse(&TEXT.replace('\n', "\r\n")).unwrap().to_string(),
             TEXT
         );
-        let board = HingeMap::<2>::parse(TEXT).unwrap();
-        for hinge in [0, 1] {
-            assert_eq!(map.get(hinge).as_ref(), board.channel(hinge.into()));
-        }
+        assert_eq!(
+            map.get(1),
+            Some(Channel {
+                channel: 7,
+                zero: -0.25,
+                negative: true,
+                lower: -1.5,
+                upper: 0.1,
+            })
+        );
         let turned = Channel {
             negative: true,
             ..map.get(0).unwrap()
@@ -163,16 +247,26 @@ mod tests {
         let text =
             TEXT.replace("0,3,1.5708,+", "0,3,1.5708,-") + "3,9,0.1,+,-1,1\n2,8,0.1,+,-1,1\n";
         assert_eq!(map.to_string(), text);
-        let board = HingeMap::<4>::parse(&text).unwrap();
-        assert_eq!(
-            (board.channel(0), board.channel(3)),
-            (Some(&turned), Some(&new))
-        );
+        assert_eq!(parse(&text).unwrap().get(3), Some(new));
         let mut first = Channels::default();
         first.set(0, new);
+        assert_eq!(first.to_string(), format!("{HEADER}\n0,9,0.1,+,-1,1\n"));
+    }
+
+    #[test]
+    fn the_rust_source_has_each_hinge_in_its_place() {
+        let text = parse(TEXT).unwrap().rust().unwrap();
+        let lines: Vec<&str> = text.lines().filter(|line| line.contains("zero")).collect();
         assert_eq!(
-            HingeMap::<1>::parse(&first.to_string()).unwrap().channel(0),
-            Some(&new)
+            lines,
+            [
+                "    foldpath_controller::Channel { channel: 3, zero: 1.5708, negative: false, lower: -1.6, upper: 1.6 },",
+                "    foldpath_controller::Channel { channel: 7, zero: -0.25, negative: true, lower: -1.5, upper: 0.1 },",
+            ]
+        );
+        assert_eq!(
+            parse(&TEXT.replace("\n1 ,", "\n2 ,")).unwrap().rust(),
+            Err(1)
         );
     }
 
@@ -191,7 +285,7 @@ mod tests {
             ("0,x,0,+,0,1", "line 2: expected a channel from 0 to 65535"),
             (
                 "0,1,inf,+,0,1",
-                "line 2: expected zero as a decimal number of radians",
+                "line 2: expected zero as a number of radians",
             ),
             ("0,1,0,v,0,1", "line 2: expected a sign, + or -"),
             ("0,1,0,+,1,0", "line 2: expected lower at or below upper"),

@@ -188,7 +188,7 @@ impl StreamPath {
     /// Returns the largest closure residual that a controller may tell of a place on the path: with what its own bounds and
     /// rounding add.
     #[must_use]
-    pub fn most_told(&self) -> f64 {
+    pub fn max_reported_closure(&self) -> f64 {
         let stars = self.stars();
         let spokes = stars.map_or(0, |stars| stars.max_degree());
         most_commanded(self.closure, spokes).to_f64()

@@ -1,5 +1,6 @@
 //! Runs a session with a controller from the greeting to its outcome.
 
+use core::mem::discriminant;
 use std::io;
 
 use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
@@ -12,7 +13,8 @@ use super::link::{Link, send};
 use super::telemetry::{Lag, Measured, Telemetry};
 use super::{Ending, StreamPath};
 
-/// Time in microseconds within which a controller has to report that the stop line is drawn.
+/// Time in microseconds within which a controller has to report that the stop line is drawn, and after which the watcher is
+/// told what slows the motion.
 const PATIENCE_US: u64 = 1_000_000;
 
 /// Decodes numbers of 4 bytes each.
@@ -84,6 +86,10 @@ pub trait Watcher {
 
     /// Returns the current request; called again and again.
     fn wish(&mut self) -> Wish;
+
+    /// Notes that the motion has been slow or at rest for a second, for a reason that may pass. Called once for each reason
+    /// that lasts.
+    fn slowed(&mut self, _reason: Reason) {}
 }
 
 /// Outcome of a session.
@@ -168,6 +174,7 @@ pub fn run(
         measured: vec![f32::NAN; path.hinges().len()],
         lag: None,
         denied: None,
+        slowed: None,
         bytes: 0,
         closure: 0.0,
         begun: None,
@@ -233,6 +240,8 @@ struct Session<'a> {
     lag: Option<Lag>,
     /// Time since which the controller denies to start the path.
     denied: Option<u64>,
+    /// Reason that slows the motion, and the time since when; no time once the watcher knows it.
+    slowed: Option<(Reason, Option<u64>)>,
     bytes: u64,
     closure: f64,
     /// Place that was told first since the sheet moves.
@@ -304,6 +313,9 @@ impl<'a> Session<'a> {
                 *failed = watcher.telemetry(&telemetry).err();
             }
         }
+        if let Some(reason) = self.slowed(link.now()) {
+            watcher.slowed(reason);
+        }
         // Exchanges after reading: a host that was suspended must not mistake its own pause for silence of the
         // controller.
         self.exchange(link)
@@ -319,6 +331,26 @@ impl<'a> Session<'a> {
         }
         self.wish = wish;
         Ok(())
+    }
+
+    /// Returns a reason that has slowed the motion for a while and may pass, unless it was returned before.
+    fn slowed(&mut self, now: u64) -> Option<Reason> {
+        let reason = self.driver.sender().report()?.reason;
+        if reason == Reason::None || !reason.passes() {
+            self.slowed = None;
+            return None;
+        }
+        // Another hinge that lags is no other reason.
+        let same = |old: &&mut (Reason, _)| discriminant(&old.0) == discriminant(&reason);
+        let Some((_, since)) = self.slowed.as_mut().filter(same) else {
+            self.slowed = Some((reason, Some(now)));
+            return None;
+        };
+        let lasts = since.is_some_and(|since| now > since + PATIENCE_US);
+        lasts.then(|| {
+            *since = None;
+            reason
+        })
     }
 
     /// Sends all frames that are due, then waits.
@@ -419,7 +451,7 @@ impl<'a> Session<'a> {
         let closure = self.path.residual(&told.angles);
         self.closure = self.closure.max(closure);
         let follows = runs || told.state == State::Done;
-        if follows && closure > self.path.most_told() {
+        if follows && closure > self.path.max_reported_closure() {
             self.torn.get_or_insert(now);
         }
     }
@@ -508,7 +540,9 @@ impl<'a> Session<'a> {
             return None;
         };
         match why {
-            Denial::Place | Denial::Empty => Some((Outcome::Held, Ending::Denied(why))),
+            Denial::Place | Denial::Empty | Denial::Nonce => {
+                Some((Outcome::Held, Ending::Denied(why)))
+            }
             Denial::Jump(_) if !self.seeks => Some((Outcome::Held, Ending::Denied(why))),
             // The controller may need a while to measure all hinges and to tell of them, or for whatever else it denies a start.
             _ => {

@@ -1,5 +1,6 @@
 //! Simulates a controller in this process, in virtual time, with the firmware's own code.
 
+use core::num::NonZero;
 use std::io;
 
 use foldpath_core::GroupLimits;
@@ -76,7 +77,8 @@ impl Sim {
                     closed: false,
                     // The line stays in this process.
                     pairs: true,
-                    ..Settings::new(nonce, |_| LIMITS)
+                    nonce: NonZero::new(nonce),
+                    ..Settings::new([0, 1], |_| LIMITS)
                 },
                 key,
             )),

@@ -1,7 +1,7 @@
 //! Feeds a follower with a controller's file: does it command nothing beyond the limits?
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, State};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{GroupLimits, Spoke, StarsView};
 
@@ -40,7 +40,7 @@ pub(super) fn follow(bytes: &[u8]) -> Result<bool, String> {
     if file.groups() > GROUPS || file.is_empty() {
         return Ok(false);
     }
-    let mut follower = Follower::<f32, GROUPS, KNOTS>::new(Options::default());
+    let mut follower = Follower::<f32, GROUPS, KNOTS>::new(CheckedOptions::default());
     if follower.load(&sheet, FollowerPosition::default()).is_err() {
         return Ok(false);
     }

@@ -16,7 +16,7 @@ pub use precision::cast;
 pub use random::Random;
 
 use foldpath_core::acceptance::{Refusal, Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Measurement, Options};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, Measurement};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{Curve, Membership, Scalar};
 
@@ -41,7 +41,7 @@ pub fn takes<T: Scalar, const GROUPS: usize>(
     before: Option<&Setpoint<T, GROUPS>>,
     next: &Setpoint<T, GROUPS>,
 ) -> Result<(), Refusal> {
-    let mut follower = Follower::<T, GROUPS, 4>::new(Options::default());
+    let mut follower = Follower::<T, GROUPS, 4>::new(CheckedOptions::default());
     let place = FollowerPosition {
         knot: before.unwrap_or(next).number,
         into: T::zero(),

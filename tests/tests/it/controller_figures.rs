@@ -28,12 +28,6 @@ fn the_image_is_small() {
     println!("| flash | {flash} bytes |\n| RAM without the stack | {ram} bytes |");
     assert!((1..=40 * 1024).contains(&flash));
     assert!((1..=8 * 1024).contains(&ram));
-    let bytes = fs::read(image("foldpath-mps2-small-keyed")).unwrap();
-    let keyed = size(&bytes, &[".vector_table", ".text", ".rodata", ".data"]);
-    let keyed_ram = size(&bytes, &[".data", ".bss", ".uninit"]);
-    println!("| flash with a key | {keyed} bytes |\n| RAM with a key | {keyed_ram} bytes |");
-    assert!((flash..=40 * 1024).contains(&keyed));
-    assert!((ram..=8 * 1024).contains(&keyed_ram));
 }
 
 /// A tick of 1,104 hinges is finished before the next tick is due.

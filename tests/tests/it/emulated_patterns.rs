@@ -11,7 +11,7 @@ use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::read::read_pattern;
 use foldpath::stream::StreamPath;
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition};
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::driver::Persistence;
 use foldpath_tests::{Planned, path_file, pattern_file};
@@ -57,7 +57,7 @@ fn follow(path: &StreamPath, file: &TrajectoryFile<'_>, place: FollowerPosition<
         stars: path.stars().unwrap(),
         closure: path.closure(),
     };
-    let mut follower = Box::new(Follower::<f32, GROUPS, 2>::new(Options::default()));
+    let mut follower = Box::new(Follower::<f32, GROUPS, 2>::new(CheckedOptions::default()));
     follower.load(&sheet, place).unwrap();
     for knot in (place.knot as usize..file.len()).take(2) {
         let nodes = (0..file.groups()).map(|group| file.node(knot, group).unwrap());

@@ -41,13 +41,12 @@ use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Ticker, with_timeout};
 use embedded_io_async::{Read, Write};
 use foldpath_controller::retained::{self, Records};
+use foldpath_controller::servo_bus::packets::{self, Answer, POSITION};
+use foldpath_controller::servo_bus::{ANSWER_US, Bus, number};
 use foldpath_controller::{Application, Board, Condition, Fifo, Line, Settings};
 use foldpath_core::Membership;
 use foldpath_core::follower::{Measurement, Target};
-use foldpath_port_embassy_stm32f4::packets::{self, Answer, POSITION};
-use foldpath_port_embassy_stm32f4::{
-    ANSWER, BAUD, GROUPS, HINGES, KNOTS, LIMITS, SPOKES, Servos, servo,
-};
+use foldpath_port_embassy_stm32f4::{BAUD, GROUPS, HINGES, KNOTS, LIMITS, SPOKES};
 
 type Controller<'a> =
     Application<Discovery<'a>, Line<'a, 512, 256, &'a dyn Fn()>, GROUPS, HINGES, SPOKES, KNOTS>;
@@ -103,7 +102,7 @@ async fn send(mut line: BufferedUartTx<'_>, queues: &Queues) {
 /// The servos, which the controller commands and the bus serves.
 #[derive(Default)]
 struct Shared {
-    servos: RefCell<Servos>,
+    servos: RefCell<Bus<HINGES>>,
     /// A tick has set all goals.
     committed: Event,
 }
@@ -120,7 +119,7 @@ async fn serve(mut bus: BufferedUart<'_>, shared: &Shared) {
                 let _ = bus.write_all(switch.bytes()).await;
             }
         }
-        let (told, at) = ask(&mut bus, servo(hinge), POSITION).await;
+        let (told, at) = ask(&mut bus, number(hinge), POSITION).await;
         let mut servos = shared.servos.borrow_mut();
         match told {
             Some(bytes) => servos.answered(hinge, bytes.map(u16::from_le_bytes), at),
@@ -148,7 +147,7 @@ async fn ask(bus: &mut BufferedUart<'_>, servo: u8, address: u8) -> (Option<Opti
         }
     };
     // The answer's own bytes take as long again as its wait.
-    let patience = Duration::from_micros(ANSWER + 10 * packets::ANSWER as u64);
+    let patience = Duration::from_micros(ANSWER_US + 10 * packets::ANSWER as u64);
     (with_timeout(patience, hear).await.ok(), at)
 }
 
@@ -181,6 +180,7 @@ impl Board for Discovery<'_> {
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
         let mut servos = self.shared.servos.borrow_mut();
+        let hinge = usize::try_from(hinge).ok()?;
         servos.drive(hinge, target, Instant::now().as_micros())
     }
 
@@ -245,7 +245,8 @@ fn clocks() -> embassy_stm32::Config {
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let p = embassy_stm32::init(clocks());
-    let nonce = Rng::new(p.RNG, Interrupts).next_u64();
+    let mut random = Rng::new(p.RNG, Interrupts);
+    let draws = [random.next_u64(), random.next_u64()];
 
     let mut config = usart::Config::default();
     config.baudrate = 460_800;
@@ -295,7 +296,7 @@ async fn main(_spawner: Spawner) {
         outgoing: &queues.outgoing,
         wake: &wake as &dyn Fn(),
     };
-    let settings = Settings::new(nonce, |_| LIMITS);
+    let settings = Settings::new(draws, |_| LIMITS);
     join4(
         receive(receiver, &queues),
         send(transmitter, &queues),
@@ -309,7 +310,7 @@ async fn main(_spawner: Spawner) {
 /// their last goals.
 async fn hold(bus: &mut BufferedUart<'_>) -> bool {
     for hinge in 0..HINGES {
-        let (told, _) = ask(bus, servo(hinge), packets::TORQUE).await;
+        let (told, _) = ask(bus, number(hinge), packets::TORQUE).await;
         if !matches!(told, Some(Some([1, _]))) {
             return false;
         }

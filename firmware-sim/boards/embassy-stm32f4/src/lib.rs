@@ -1,23 +1,13 @@
-//! The parts of this port that run on any machine, so that tests run them: sizes and limits, the packets of the servos' bus, and the state of the servos.
-//!
-//! The servos take all goals of a tick in one packet and turn at the same time. One servo a tick tells where it stands, so
-//! that a measurement is as old as the round over all servos.
+//! The parts of this port that run on any machine: sizes and limits.
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
 
-#[cfg(test)]
-extern crate std;
-
-pub mod packets;
-mod servos;
-
 use core::f32::consts::PI;
 
 use foldpath_controller::TICK;
+use foldpath_controller::servo_bus::{ANSWER_US, packets};
 use foldpath_core::GroupLimits;
-
-pub use servos::{Servos, number as servo};
 
 /// Number of hinges, each with a servo: those of `patterns/miura-3x3.fold`.
 pub const HINGES: usize = 12;
@@ -38,11 +28,9 @@ pub const LIMITS: GroupLimits = GroupLimits {
 
 /// Bits a second on the bus, of which a byte takes ten.
 pub const BAUD: u32 = 1_000_000;
-/// Longest time that a servo may take for its answer, microseconds. With its return delay set to 0 it takes less than 50.
-pub const ANSWER: u64 = 250;
 
 /// The packet of a tick, the question to a servo and its answer are over before the next tick.
 const _: () = {
-    let bytes = packets::goals_len() + packets::READ + packets::ANSWER;
-    assert!(10 * bytes as u64 * 1_000_000 / (BAUD as u64) + ANSWER < TICK);
+    let bytes = packets::goals_len(HINGES) + packets::READ + packets::ANSWER;
+    assert!(10 * bytes as u64 * 1_000_000 / (BAUD as u64) + ANSWER_US < TICK);
 };

@@ -273,7 +273,7 @@ fn start(device: pac::Peripherals) -> Option<(Nucleo, Line)> {
 fn main() -> ! {
     static mut CONTROLLER: Option<Controller> = None;
     if let Some((mut nucleo, line)) = pac::Peripherals::take().and_then(start) {
-        let settings = Settings::new(nucleo.nonce(), |_| LIMITS);
+        let settings = Settings::new([nucleo.nonce(), nucleo.nonce()], |_| LIMITS);
         let controller = CONTROLLER.insert(Application::new(nucleo, line, settings));
         // SAFETY: nothing relies on this interrupt being masked.
         unsafe { NVIC::unmask(pac::Interrupt::USART2) };

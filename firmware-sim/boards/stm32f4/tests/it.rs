@@ -1,6 +1,9 @@
 //! Does the example of this port fit its sizes, and does the controller follow it with the servos of this board? Nothing
 //! of this was tried on hardware: servos and potentiometers are numbers here.
 
+#[path = "../../../tests/it/port.rs"]
+mod port;
+
 use core::cell::RefCell;
 use core::convert::Infallible;
 use std::collections::VecDeque;
@@ -20,24 +23,96 @@ use foldpath_core::{GroupLimits, Membership, Spoke, StarsView};
 use foldpath_port_stm32f4::{
     Button, GROUPS, HINGES, KNOTS, LIMITS, PATH, Press, SPOKES, angle, pulse,
 };
+use port::Rig as _;
 
 /// Microseconds of a round of the main loop.
 const ROUND: u64 = 250;
 /// Most that a servo turns in a millisecond, radians: 60 degrees in 0.13 s, as small servos have it.
 const TURN: f32 = 8e-3;
 
-/// The board: four servos that turn towards their pulses, and potentiometers.
+/// Four servos that turn towards their pulses, and potentiometers.
+#[derive(Default)]
+struct Servos {
+    power: Power,
+    pulses: [Option<u16>; HINGES],
+    holds: [Hold; HINGES],
+    stands: [f32; HINGES],
+    /// Number of a potentiometer whose wire is broken, and of a hinge that is blocked.
+    broken: Option<usize>,
+    blocked: Option<usize>,
+}
+
+impl port::Rig for Servos {
+    const LIMITS: GroupLimits = LIMITS;
+    /// A microsecond of a pulse.
+    const ERROR: f32 = LIMITS.upper / 500.0;
+
+    fn power(&mut self, power: Power) {
+        self.power = power;
+    }
+
+    fn drive(
+        &mut self,
+        hinge: u32,
+        target: Option<Target<f32>>,
+        _: u64,
+    ) -> Option<Measurement<f32>> {
+        let hinge = hinge as usize;
+        let reading = if self.broken == Some(hinge) {
+            0
+        } else {
+            let reading = (2048.0 + 0.8 * 2048.0 * self.stands[hinge] / LIMITS.upper).round();
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "from 0 to 4095"
+            )]
+            let reading = reading as u16;
+            reading
+        };
+        let measured = angle(reading);
+        let command = self.holds[hinge].command(self.power, target, Some(measured));
+        self.pulses[hinge] = command.map(pulse);
+        Some(measured.into())
+    }
+
+    fn commit(&mut self, _: u64) {
+        for (hinge, (stands, pulse)) in self.stands.iter_mut().zip(self.pulses).enumerate() {
+            let goal = pulse.map(|pulse| (f32::from(pulse) - 1500.0) / 500.0 * LIMITS.upper);
+            let way = goal.map_or(0.0, |goal| (goal - *stands).clamp(-TURN, TURN));
+            *stands += if self.blocked == Some(hinge) {
+                0.0
+            } else {
+                way
+            };
+        }
+    }
+
+    fn angles(&self) -> Vec<f32> {
+        self.stands.to_vec()
+    }
+
+    fn block(&mut self, hinge: Option<usize>) {
+        self.blocked = hinge;
+    }
+
+    fn turn(&mut self, angle: f32) -> bool {
+        let free = self.pulses == [None; HINGES];
+        if free {
+            self.stands = [angle; HINGES];
+        }
+        free
+    }
+}
+
+/// The board.
 #[derive(Default)]
 struct Bench {
     now: u64,
     drawn: bool,
     received: VecDeque<u8>,
     sent: Vec<u8>,
-    pulses: [Option<u16>; HINGES],
-    holds: [Hold; HINGES],
-    stands: [f32; HINGES],
-    /// Number of a potentiometer whose wire is broken.
-    broken: Option<usize>,
+    servos: Servos,
     condition: Option<Condition>,
     records: [Vec<u8>; 2],
 }
@@ -57,7 +132,9 @@ impl Board for Shared {
     }
 
     fn power(&mut self, condition: &Condition) {
-        self.0.borrow_mut().condition = Some(*condition);
+        let mut bench = self.0.borrow_mut();
+        bench.condition = Some(*condition);
+        bench.servos.power(condition.power);
     }
 
     fn drive(
@@ -66,36 +143,11 @@ impl Board for Shared {
         _: Membership,
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
-        let mut bench = self.0.borrow_mut();
-        let hinge = hinge as usize;
-        let reading = if bench.broken == Some(hinge) {
-            0
-        } else {
-            let reading = (2048.0 + 0.8 * 2048.0 * bench.stands[hinge] / LIMITS.upper).round();
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "from 0 to 4095"
-            )]
-            let reading = reading as u16;
-            reading
-        };
-        let measured = angle(reading);
-        let power = bench
-            .condition
-            .map_or(Power::Rest, |condition| condition.power);
-        let command = bench.holds[hinge].command(power, target, Some(measured));
-        bench.pulses[hinge] = command.map(pulse);
-        Some(measured.into())
+        self.0.borrow_mut().servos.drive(hinge, target, 0)
     }
 
     fn commit(&mut self) {
-        let mut bench = self.0.borrow_mut();
-        let bench = &mut *bench;
-        for (stands, pulse) in bench.stands.iter_mut().zip(bench.pulses) {
-            let goal = pulse.map(|pulse| (f32::from(pulse) - 1500.0) / 500.0 * LIMITS.upper);
-            *stands += goal.map_or(0.0, |goal| (goal - *stands).clamp(-TURN, TURN));
-        }
+        self.0.borrow_mut().servos.commit(0);
     }
 
     /// As on the board: servos have no pulses in a reset.
@@ -238,7 +290,7 @@ impl Machine {
         Application::new(
             bench.clone(),
             bench.clone(),
-            Settings::new(nonce, |_| LIMITS),
+            Settings::new([nonce, 0], |_| LIMITS),
         )
     }
 
@@ -273,7 +325,10 @@ impl Machine {
 /// Returns the farthest distance of a hinge from its angle at the end of the path, radians.
 fn off(path: &Path, machine: &Machine) -> f32 {
     let end = &path.angles[path.angles.len() - path.file.groups()..];
-    let hinges = path.hinges.iter().zip(machine.bench(|bench| bench.stands));
+    let hinges = path
+        .hinges
+        .iter()
+        .zip(machine.bench(|bench| bench.servos.stands));
     hinges
         .map(|(hinge, stands)| (hinge.apply(end[hinge.group.index()]) - stands).abs())
         .fold(0.0, f32::max)
@@ -306,6 +361,11 @@ fn the_example_fits_its_sizes_and_folds() {
     assert!(off(&path, &machine) <= 0.5 * LIMITS.upper / 500.0 + 1e-6);
 }
 
+#[test]
+fn the_port_goes_through_its_life() {
+    port::lives::<_, HINGES>(Servos::default());
+}
+
 /// A stop line that is drawn stops in the tick that reads it; after a reset, in which servos are limp, the fold goes on from
 /// where the potentiometers find the sheet.
 #[test]
@@ -317,12 +377,12 @@ fn the_example_stops_and_goes_on_behind_a_reset() {
         machine.run(Some(&mut host), 700 + 150 * moment);
         machine.bench(|bench| bench.drawn = true);
         machine.run(Some(&mut host), 1);
-        let pulses = machine.bench(|bench| bench.pulses);
+        let pulses = machine.bench(|bench| bench.servos.pulses);
         machine.run(Some(&mut host), 200);
-        assert_eq!(machine.bench(|bench| bench.pulses), pulses);
+        assert_eq!(machine.bench(|bench| bench.servos.pulses), pulses);
         assert_eq!(machine.condition().reason, Reason::StopLine);
         machine.bench(|bench| {
-            (bench.drawn, bench.pulses) = (false, [None; HINGES]);
+            (bench.drawn, bench.servos.pulses) = (false, [None; HINGES]);
             bench.received.clear();
             bench.sent.clear();
         });
@@ -330,7 +390,7 @@ fn the_example_stops_and_goes_on_behind_a_reset() {
         machine.run(None, 100);
         let condition = machine.condition();
         assert!(condition.stopped && !condition.known);
-        assert_eq!(machine.bench(|bench| bench.pulses), [None; HINGES]);
+        assert_eq!(machine.bench(|bench| bench.servos.pulses), [None; HINGES]);
         let mut host = path.driver(8, Persistence::Resume);
         machine.run(Some(&mut host), 5000);
         assert_eq!(
@@ -348,13 +408,13 @@ fn a_broken_wire_of_a_potentiometer_holds_the_motion() {
     let mut machine = Machine::new();
     let mut host = path.driver(7, Persistence::None);
     machine.run(Some(&mut host), 1000);
-    machine.bench(|bench| bench.broken = Some(2));
+    machine.bench(|bench| bench.servos.broken = Some(2));
     machine.run(Some(&mut host), 500);
     assert_eq!(machine.condition().reason, Reason::Lag(2));
-    let pulses = machine.bench(|bench| bench.pulses);
+    let pulses = machine.bench(|bench| bench.servos.pulses);
     machine.run(Some(&mut host), 300);
-    assert_eq!(machine.bench(|bench| bench.pulses), pulses);
-    machine.bench(|bench| bench.broken = None);
+    assert_eq!(machine.bench(|bench| bench.servos.pulses), pulses);
+    machine.bench(|bench| bench.servos.broken = None);
     machine.run(Some(&mut host), 3000);
     assert_eq!(machine.condition().state, State::Done);
 }

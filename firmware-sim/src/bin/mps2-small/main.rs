@@ -10,9 +10,6 @@ mod board;
 
 #[cfg(target_os = "none")]
 mod sizes {
-    /// Protection of the frames, without room for a key.
-    pub(crate) use foldpath_core::wire::protection::Unkeyed as Protection;
-
     /// Largest numbers of groups, of hinges, of spokes of essential vertices, and of setpoints in the queue.
     pub(crate) const GROUPS: usize = 2;
     pub(crate) const HINGES: usize = 1104;

@@ -20,20 +20,21 @@ use foldpath_controller::stored;
 use foldpath_controller::{Application, Board, Condition, Fifo, Line, Settings};
 use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::wire::key::{Key, StoredKey};
+use foldpath_core::wire::protection::Keyed;
 use foldpath_core::{GroupLimits, Membership};
 use foldpath_firmware_sim::plant::Plant;
 
-use crate::sizes::{GROUPS, HINGES, KNOTS, Protection, SPOKES};
+use crate::sizes::{GROUPS, HINGES, KNOTS, SPOKES};
 
 /// The controller with its line to the host: queues that interrupts fill and empty.
 type Controller =
-    Application<Mps2, Line<'static, 256, 64, fn()>, GROUPS, HINGES, SPOKES, KNOTS, Protection>;
+    Application<Mps2, Line<'static, 256, 64, fn()>, GROUPS, HINGES, SPOKES, KNOTS, Keyed>;
 
 /// Address of 8 random bytes, which whoever starts the emulator puts there; this board has no other source of them.
 const NONCE: usize = 0x2030_0000;
 
-/// Address of the words of the key, for the images that have room for one: memory that stands for the flash of a real
-/// board. Erased words are 0.
+/// Address of the words of the key: memory that stands for the flash of a real board. Erased words
+/// are 0.
 const KEY: usize = 0x2030_0008;
 
 /// Limits of every hinge: half a turn each way, at the speed of the drives.
@@ -255,13 +256,13 @@ enum Memory {
 fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
     start();
-    let nonce = u64::from(read(NONCE)) | u64::from(read(NONCE + 4)) << 32;
+    let draws = [NONCE, NONCE + 4].map(|address| read(address).into());
     let settings = Settings {
         // The emulated hinges hang on any sheet.
         closed: false,
         // Whoever reaches the sockets of the emulator could read its memory as well.
         pairs: true,
-        ..Settings::new(nonce, |_| LIMITS)
+        ..Settings::new(draws, |_| LIMITS)
     };
     let line = Line {
         incoming: &INCOMING,

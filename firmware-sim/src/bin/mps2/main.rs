@@ -1,5 +1,5 @@
 //! The controller's image for Arm's MPS2 boards AN386 and AN500, as QEMU emulates them: room for every pattern
-//! of `patterns/` and for a key. Only `board.rs` knows the board.
+//! of `patterns/`. Only `board.rs` knows the board.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::indexing_slicing)]
@@ -9,9 +9,6 @@ mod board;
 
 #[cfg(target_os = "none")]
 mod sizes {
-    /// Protection of the frames, with room for a key.
-    pub(crate) use foldpath_core::wire::protection::Keyed as Protection;
-
     /// Largest numbers of groups, of hinges, of spokes of essential vertices, and of setpoints in the queue.
     pub(crate) const GROUPS: usize = 256;
     pub(crate) const HINGES: usize = 2048;

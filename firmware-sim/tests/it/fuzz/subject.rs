@@ -137,7 +137,7 @@ impl<'a> Subject<'a> {
         match look.state {
             State::Running => assert!(matches!(
                 look.reason,
-                Reason::None | Reason::Lag(_) | Reason::Approach
+                Reason::None | Reason::Lag(_) | Reason::Approach | Reason::LateTick
             )),
             State::Holding => assert!(held),
             State::Faulted => assert!(matches!(look.reason, Reason::Fault(_))),
@@ -291,6 +291,7 @@ impl<'a> Subject<'a> {
     /// Lets time pass until `now`, and checks the tick.
     pub(crate) fn tick(&mut self, now: u64) {
         let before = self.look();
+        let is_late = now.saturating_sub(self.now) > 10_000;
         self.now = self.now.max(now);
         self.device.tick(now);
         let knot = self.device.follower().position().knot;
@@ -302,6 +303,12 @@ impl<'a> Subject<'a> {
             self.passed += 1;
         }
         let after = self.look();
+        let runs = after.state == State::Running;
+        assert!(match after.reason {
+            Reason::LateTick => is_late,
+            Reason::None | Reason::Approach => !(runs && is_late),
+            _ => true,
+        });
         assert!(
             tick_allows(&before, &after, self.away),
             "{before:?} to {after:?}"
@@ -310,7 +317,7 @@ impl<'a> Subject<'a> {
         let lost = self.away && after.angles == [None; 4];
         let latched = !matches!(
             before.reason,
-            Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach
+            Reason::None | Reason::Underrun | Reason::Lag(_) | Reason::Approach | Reason::LateTick
         );
         if self.drawn
             || !matches!(before.state, State::Running | State::Holding)

@@ -213,11 +213,11 @@ fn a_stop_gets_through_or_the_line_is_silent() {
     }
     let path = Path::miura();
     for (steals, reason) in [
-        ((|_| false) as fn(&[u8]) -> bool, Reason::Asked),
-        (|frame| kind(frame) == 1, Reason::Asked),
+        ((|_| false) as fn(&[u8]) -> bool, Reason::HoldCommand),
+        (|frame| kind(frame) == 1, Reason::HoldCommand),
         (|frame| kind(frame) == 2, Reason::Silence),
-        (|frame| kind(frame) == 3, Reason::Asked),
-        (|frame| kind(frame) != 2, Reason::Asked),
+        (|frame| kind(frame) == 3, Reason::HoldCommand),
+        (|frame| kind(frame) != 2, Reason::HoldCommand),
         (|_| true, Reason::Silence),
     ] {
         assert_eq!(holds(world(&path, LINE, 3), steals), reason);

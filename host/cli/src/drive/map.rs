@@ -59,6 +59,8 @@ impl fmt::Display for Row {
 /// A map and its file.
 pub(super) struct MapFile {
     pub(super) path: Option<PathBuf>,
+    /// File of the map's Rust source.
+    rust: Option<PathBuf>,
     map: Channels,
     /// Channels with which the controller runs: those of the file as it was read, and those of hinges that are new.
     running: BTreeMap<u16, Channel>,
@@ -66,14 +68,16 @@ pub(super) struct MapFile {
 }
 
 impl MapFile {
-    /// Reads the map of a file, which need not be there.
+    /// Reads the map of a file, which need not be there. `rust` is where its Rust source is to go.
     ///
     /// # Errors
     /// If the file cannot be read, or is no map.
-    pub(super) fn read(path: Option<&Path>) -> Result<Self, CliError> {
-        if path.is_some_and(is_standard) {
-            let text = "--map: expected the name of a file, found -";
-            return Err(CliError::Usage(text.into()));
+    pub(super) fn read(path: Option<&Path>, rust: Option<&Path>) -> Result<Self, CliError> {
+        for (option, path) in [("--map", path), ("--rust", rust)] {
+            if path.is_some_and(is_standard) {
+                let text = format!("{option}: expected the name of a file, found -");
+                return Err(CliError::Usage(text));
+            }
         }
         let map = match path.map(|path| (path, std::fs::read_to_string(path))) {
             None => Channels::default(),
@@ -83,31 +87,45 @@ impl MapFile {
         };
         Ok(Self {
             path: path.map(Path::to_path_buf),
+            rust: rust.map(Path::to_path_buf),
             running: map.iter().collect(),
             map,
             changed: false,
         })
     }
 
-    /// Writes the file, whole or not at all; returns what to say.
+    /// Writes the file, and its Rust source if that has a file. Each is written whole or not at all. Returns what to say:
+    /// an error if the source was asked for and the map lacks a hinge.
     ///
     /// # Errors
     /// If the system refuses.
-    pub(super) fn save(&mut self) -> Result<String, CliError> {
+    pub(super) fn save(&mut self) -> Result<Result<String, String>, CliError> {
         let Some(path) = &self.path else {
-            return Ok(String::new());
+            return Ok(Ok(String::new()));
         };
         write_whole(path, self.map.to_string().as_bytes())?;
         self.changed = false;
         let count = self.map.iter().count();
-        let missing = self.map.missing();
-        let missing = missing.map_or_else(String::new, |hinge| {
-            format!("; hinge {hinge} has no channel yet, and a board needs one for each hinge")
-        });
-        Ok(format!(
-            "{count} hinges written to {}{missing}",
-            path.display()
-        ))
+        let said = format!("{count} hinges written to {}", path.display());
+        let lacks = |hinge| {
+            format!(
+                "{said}; hinge {hinge} has no channel yet, and a board needs one for each hinge"
+            )
+        };
+        let Some(rust) = &self.rust else {
+            let missing = self.map.missing();
+            return Ok(Ok(missing.map_or(said.clone(), lacks)));
+        };
+        match self.map.rust() {
+            Ok(source) => {
+                write_whole(rust, source.as_bytes())?;
+                Ok(Ok(format!("{said} and {}", rust.display())))
+            }
+            Err(hinge) => {
+                let said = lacks(hinge);
+                Ok(Err(format!("{said}; {} was not written", rust.display())))
+            }
+        }
     }
 
     pub(super) fn rows(&self) -> Vec<Row> {

@@ -94,7 +94,7 @@ impl Line {
 pub(crate) fn run(args: &Drive, quiet: bool) -> Answer {
     let commands = command::parse(&args.commands.join(" ")).map_err(CliError::Usage)?;
     let key = reach::key(&args.to, &args.line, quiet)?;
-    let map = MapFile::read(args.map.as_deref())?;
+    let map = MapFile::read(args.map.as_deref(), args.rust.as_deref())?;
     let Host { id, nonce, key } = Host::new(key).map_err(CliError::Output)?;
     let (name, mut link) = reach::open(&args.to, &args.line, key)?;
     let bench = match &mut link {
@@ -161,8 +161,11 @@ impl<'a> Desk<'a> {
                 return Ok(false);
             }
         }
-        if self.map.changed && self.map.path.is_some() {
-            self.map.save()?;
+        if self.map.changed
+            && let Err(said) = self.map.save()?
+        {
+            say(&format!("note: {said}"));
+            return Ok(false);
         }
         Ok(true)
     }
@@ -297,7 +300,8 @@ impl<'a> Desk<'a> {
                 }
             }
             Command::Save if self.map.path.is_some() => {
-                Line::done(self.map.save().map_err(Refusal::Usage)?)
+                let saved = self.map.save().map_err(Refusal::Usage)?;
+                saved.map_or_else(Line::denied, Line::done)
             }
             Command::Save => Line::denied("no map to write; start with --map FILE"),
             Command::Clear => {

@@ -3,6 +3,7 @@
 use core::cell::Cell;
 use core::fmt::Debug;
 use core::time::Duration;
+use std::path::Path;
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::Instant;
@@ -10,8 +11,7 @@ use std::time::Instant;
 use crate::common::folder;
 use crate::stream::served;
 use crate::ways::small;
-use foldpath::stream::{Bench, BenchError, Jogged, Link, Options, Sim, Stands, Way};
-use foldpath_controller::HingeMap;
+use foldpath::stream::{Bench, BenchError, Channels, Jogged, Link, Options, Sim, Stands, Way};
 use foldpath_core::follower::{Denial, State};
 use serde_json::{Value, json};
 
@@ -79,9 +79,9 @@ fn a_map_is_made_hinge_by_hinge() {
     );
     assert!(near(&told[3]["channels"][0]["zero"], 10.0), "{}", told[3]);
     assert!(near(&told[4]["measured"], -20.0));
-    // The map is written at the end, without `save`, and a board can read it.
-    let map = HingeMap::<2>::parse(&folder.read("map.csv")).unwrap();
-    let [first, second] = [0, 1].map(|hinge| *map.channel(hinge).unwrap());
+    // The map is written at the end, without `save`.
+    let map = Channels::parse(&folder.read("map.csv"), Path::new("map.csv")).unwrap();
+    let [first, second] = [0, 1].map(|hinge| map.get(hinge).unwrap());
     assert_eq!((first.channel, first.negative), (7, false));
     assert!((first.zero - 10_f32.to_radians()).abs() < 1e-6);
     assert_eq!((second.channel, second.negative), (3, true));
@@ -174,6 +174,45 @@ fn lines_on_stdin_are_commands_and_only_save_writes() {
         .run("drive --to tcp:1 --insecure --json watch 3")
         .with_status(1);
     assert_eq!(answer.json()["outcome"], "no_device", "{answer:?}");
+}
+
+/// The Rust source is written with the map, once the map has all hinges.
+#[test]
+fn a_board_is_built_with_the_map() {
+    let folder = folder();
+    let drive = "drive --to sim --map map.csv --rust channels.rs";
+    let answer = folder.run(&format!("{drive} channel 1 5")).with_status(1);
+    let why = "1 hinges written to map.csv; hinge 0 has no channel yet, and a board needs one for each hinge; \
+               channels.rs was not written";
+    assert!(answer.stderr.contains(why), "{answer:?}");
+    assert!(!folder.names().contains(&"channels.rs".into()));
+    let answer = folder.done(&format!("{drive} channel 0 7 limits 0 -180 90 save"));
+    assert!(
+        answer
+            .stdout
+            .contains("2 hinges written to map.csv and channels.rs"),
+        "{answer:?}"
+    );
+    let source = folder.read("channels.rs") + "fn main() { println!(\"{CHANNELS:?}\"); }\n";
+    // The compiler reads what the map means. The type stands in for that of the controller, which this test has not built.
+    let channel = "mod foldpath_controller { #[derive(Debug)] #[allow(dead_code)] pub struct Channel { pub channel: u16, \
+                   pub zero: f32, pub negative: bool, pub lower: f32, pub upper: f32 } }\n";
+    folder.write("main.rs", &(channel.to_owned() + &source));
+    let compiled = std::process::Command::new("rustc")
+        .args(["--edition", "2024", "main.rs"])
+        .current_dir(folder.path(""))
+        .output()
+        .unwrap();
+    assert!(compiled.status.success(), "{compiled:?}");
+    let told = std::process::Command::new(folder.path("main"))
+        .output()
+        .unwrap();
+    let map = Channels::parse(&folder.read("map.csv"), Path::new("map.csv")).unwrap();
+    let channels: Vec<_> = [0, 1].map(|hinge| map.get(hinge).unwrap()).into();
+    assert_eq!(
+        String::from_utf8(told.stdout).unwrap(),
+        format!("{channels:?}\n")
+    );
 }
 
 fn denied<T: Debug>(result: Result<T, BenchError>) -> (Denial, Option<State>) {

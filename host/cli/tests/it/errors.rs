@@ -152,6 +152,7 @@ fn usage() {
         drive --to sim sign 3 up
         drive --to sim limits 3 10 5
         drive --to sim --map - show
+        drive --to sim --map map.csv --rust - show
         drive --to sim --map events.txt show
         drive --to sim --key -
         drive --to tcp:1 watch 3

@@ -89,7 +89,7 @@ impl Link for Slow<'_> {
             _ => {}
         }
         // If the word to hold was lost, the motion holds because the host says nothing else.
-        if matches!(follower.reason(), Reason::Asked | Reason::Silence) {
+        if matches!(follower.reason(), Reason::HoldCommand | Reason::Silence) {
             self.held.get_or_insert(now);
             if follower.rate() <= 0.0 {
                 self.rested.get_or_insert(now);

@@ -88,7 +88,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         stars: StarsView::new(&spokes, &ends, 2).unwrap(),
         closure: file.closure(),
     };
-    let mut follower = Follower::<f32, 2, 64>::new(follower::Options::default());
+    let mut follower = Follower::<f32, 2, 64>::new(follower::CheckedOptions::default());
     follower.load(&sheet, FollowerPosition::default()).unwrap();
     for knot in 0..file.len() {
         let nodes = [0, 1].map(|group| file.node(knot, group).unwrap());
@@ -591,7 +591,7 @@ fn a_stop_brakes_along_the_path_and_resuming_goes_on_from_there() {
     // Without `--resume` the hold stays.
     let (summary, _) = session(&mut sim, &path, (2, false), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Held, "{summary:?}");
-    assert_eq!(summary.reason, Some(Ending::Held(Reason::Asked)));
+    assert_eq!(summary.reason, Some(Ending::Held(Reason::HoldCommand)));
 
     let (summary, heard) = session(&mut sim, &path, (3, true), &|_| Wish::Run);
     assert_eq!(summary.outcome, Outcome::Done, "{summary:?}");
@@ -652,7 +652,7 @@ fn a_sheet_that_was_moved_along_its_path_goes_on_from_there() {
         assert!((angle - there).abs() < 0.02, "{begun:?} {there}");
     }
     let closure = summary.max_closure;
-    assert!(closure <= path.most_told(), "{closure}");
+    assert!(closure <= path.max_reported_closure(), "{closure}");
 }
 
 #[test]
@@ -698,7 +698,7 @@ fn flat() -> Device {
         speed: 20.0,
         acceleration: f32::INFINITY,
     };
-    let mut device = Device::protected(Settings::new(1, limits), Unkeyed);
+    let mut device = Device::protected(Settings::new([1, 0], limits), Unkeyed);
     let place = FollowerPosition::default();
     device
         .follower_mut()
@@ -742,6 +742,33 @@ impl Served {
             }
         }
     }
+}
+
+/// A host that waits for as long as it takes says what it waits for, once.
+#[test]
+#[cfg(unix)]
+fn a_host_that_waits_says_what_for() {
+    let folder = small();
+    let lease = |device: &mut Device| device.follower_mut().lease(Some(0.1));
+    let (port, _, thread) = served(1, |_| false, lease);
+    let mut host = folder.command(&format!(
+        "stream path.traj --to tcp:{port} --insecure --json"
+    ));
+    let host = host.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let host = host.spawn().unwrap();
+    sleep(Duration::from_millis(4000));
+    let id = host.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status();
+    assert!(kill.unwrap().success());
+    let output = host.wait_with_output().unwrap();
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["outcome"], "stopped", "{json}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let note = "note: the motion is slow or at rest: the path time has reached its bound";
+    assert_eq!(said.lines().collect::<Vec<_>>(), [note]);
+    thread.join().unwrap();
 }
 
 /// A fault does not hide that the stop line holds as well; once the fault is cleared, the stop line is what is told.

@@ -4,7 +4,7 @@ use crate::common::{PATTERNS, folder, folder_with_path};
 use foldpath::read::read_pattern;
 use foldpath::symmetry::ReducedStars;
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, State};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{HalfAngle, Interpolation, Objective, Scalar, Spoke, StarsView};
@@ -410,7 +410,7 @@ fn followed(name: &str, interpolation: &str) -> [f32; 2] {
         stars,
         closure: file.closure(),
     };
-    let mut follower = Follower::<f32, 4, 64>::new(Options::default());
+    let mut follower = Follower::<f32, 4, 64>::new(CheckedOptions::default());
     follower.load(&sheet, FollowerPosition::default()).unwrap();
     for knot in 0..file.len() {
         let nodes = (0..file.groups()).map(|group| file.node(knot, group).unwrap());

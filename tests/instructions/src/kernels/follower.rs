@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use core::hint::black_box;
 
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options, State};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, State};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Node, Spoke, StarsView};
 
 /// `KNOTS`: number of knots of the path, which are all in the queue. `STEP`: seconds between two knots.
@@ -70,7 +70,7 @@ pub(super) fn tick() -> Box<dyn FnMut()> {
         stars: StarsView::new(&spokes, &[4], 2).expect("a star"),
         closure: CLOSURE,
     };
-    let mut follower = Box::new(Follower::<f32, 2, 512>::new(Options::default()));
+    let mut follower = Box::new(Follower::<f32, 2, 512>::new(CheckedOptions::default()));
     follower
         .load(&sheet, FollowerPosition::default())
         .expect("idle");

@@ -19,12 +19,14 @@ pub(crate) const TIME_LIMIT: &str = "60";
 pub(crate) const PROBE: &str = "examples/probe";
 
 /// Arguments of cargo for all images of the simulated controller.
-const SIMULATED: [&str; 5] = [
+const SIMULATED: [&str; 7] = [
     "--package",
     "foldpath-firmware-sim",
     "--bins",
     "--example",
     "probe",
+    "--example",
+    "servo_buses",
 ];
 
 /// Builds the image of this name as for a real board, and returns its path.
@@ -128,9 +130,9 @@ pub(crate) fn symbols(image: &[u8], parts: &[&str]) -> Vec<String> {
 /// Names of the images.
 pub(crate) const IMAGES: [&str; 4] = [
     PROBE,
+    "examples/servo_buses",
     "foldpath-mps2",
     "foldpath-mps2-small",
-    "foldpath-mps2-small-keyed",
 ];
 
 /// Returns the address of the small image's function or variable whose name contains all `parts`.

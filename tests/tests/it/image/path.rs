@@ -8,7 +8,7 @@ use foldpath::planner::PlanOptions;
 use foldpath::read::read_pattern;
 use foldpath::symmetry::{CreaseGroups, ReducedStars};
 use foldpath_core::acceptance::{Setpoint, SheetView};
-use foldpath_core::follower::{Follower, FollowerPosition, Options};
+use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition};
 use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::wire::path::PathItems;
@@ -128,7 +128,7 @@ impl Fold {
             stars: self.stars(),
             closure: CLOSURE,
         };
-        let mut follower = Follower::<f32, 2, 2>::new(Options::default());
+        let mut follower = Follower::<f32, 2, 2>::new(CheckedOptions::default());
         follower.load(&sheet, place).unwrap();
         for knot in (place.knot as usize..self.len()).take(2) {
             let setpoint = Setpoint {

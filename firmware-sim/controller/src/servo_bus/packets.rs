@@ -6,8 +6,6 @@
 
 use core::f32::consts::PI;
 
-use crate::HINGES;
-
 /// Address of the byte that switches the drive on.
 pub const TORQUE: u8 = 40;
 /// Address of the goal, of two bytes.
@@ -29,16 +27,19 @@ pub const READ: usize = 8;
 /// See [`READ`].
 pub const ANSWER: usize = 8;
 
-/// Returns the number of bytes of the goals of all servos.
+/// Largest number of servos whose goals a packet has room for.
+pub const MAX_SERVOS: usize = 80;
+
+/// Returns the number of bytes of the goals of this number of servos.
 #[must_use]
-pub const fn goals_len() -> usize {
-    8 + 3 * HINGES
+pub const fn goals_len(servos: usize) -> usize {
+    8 + 3 * servos
 }
 
 /// A packet for all servos.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
-    bytes: [u8; goals_len()],
+    bytes: [u8; goals_len(MAX_SERVOS)],
     length: usize,
 }
 
@@ -51,7 +52,7 @@ impl Packet {
         values: impl Iterator<Item = (u8, [u8; N])>,
     ) -> Self {
         let mut packet = Self {
-            bytes: [0; goals_len()],
+            bytes: [0; goals_len(MAX_SERVOS)],
             length: 0,
         };
         // The count of bytes comes last.
@@ -182,7 +183,7 @@ mod tests {
             ]
         );
         let all = Packet::sync_write(GOAL, (0..12).map(|servo| (servo, [0; 2])));
-        assert_eq!(all.bytes().len(), goals_len());
+        assert_eq!(all.bytes().len(), goals_len(12));
     }
 
     fn hear(bytes: &[u8]) -> Vec<(u8, Option<[u8; 2]>)> {
