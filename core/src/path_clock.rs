@@ -30,22 +30,12 @@ impl<T: Scalar> ClockLimits<T> {
 }
 
 /// The rate of path time, 0 at first.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathClock<T> {
-    limits: ClockLimits<T>,
     rate: T,
 }
 
 impl<T: Scalar> PathClock<T> {
-    /// Creates a clock at rest. It never starts if its limits are not [sound](ClockLimits::are_sound).
-    #[must_use]
-    pub fn new(limits: ClockLimits<T>) -> Self {
-        Self {
-            limits,
-            rate: T::zero(),
-        }
-    }
-
     /// Returns the rate, seconds of the path in a second of the world, from 0 to 1.
     #[must_use]
     pub fn rate(&self) -> T {
@@ -59,15 +49,15 @@ impl<T: Scalar> PathClock<T> {
 
     /// Lets `dt` seconds of the world pass and returns the seconds of the path that pass meanwhile, at most `left`.
     ///
-    /// The rate moves towards `goal` as far as its limits, and the path time then left, allow. Cost: a square root and
-    /// a division.
+    /// The rate moves towards `goal` as far as the `limits`, and the path time then left, allow. It does not change, and no
+    /// time passes, if they are not [sound](ClockLimits::are_sound). Cost: a square root and a division.
     #[must_use]
-    pub fn tick(&mut self, dt: T, goal: T, left: T) -> T {
+    pub fn tick(&mut self, limits: ClockLimits<T>, dt: T, goal: T, left: T) -> T {
         let positive = |value: T| value.max(T::zero());
         let (dt, left) = (positive(dt), positive(left));
         let goal = positive(goal).min(T::one());
-        let (before, ClockLimits { rise, brake }) = (self.rate, self.limits);
-        if !self.limits.are_sound() {
+        let (before, ClockLimits { rise, brake }) = (self.rate, limits);
+        if !limits.are_sound() {
             return T::zero();
         }
         let slewed = goal.max(before - brake * dt).min(before + rise * dt);

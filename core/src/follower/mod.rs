@@ -44,6 +44,7 @@ use crate::path_clock::PathClock;
 use approach::Approach;
 pub use hinges::{Hinge, Measurement, Target};
 use lag::{Lag, LagWatch};
+pub use motion::STUCK_BRAKE_RATIO;
 use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Options, Reason, State};
 use survey::Survey;
@@ -122,11 +123,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             line: false,
             stopped: false,
             fault: None,
-            clock: PathClock::new(options.clock),
+            clock: PathClock::default(),
             lease: None,
             now: 0,
             heard: 0,
-            lag: LagWatch::default(),
+            lag: LagWatch::new(&options),
             guarded: 0,
             approach: Approach::none(),
             queue: Queue::new(),
@@ -160,7 +161,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         match (self.fault, self.state, self.latch) {
             (Some(fault), ..) => Reason::Fault(fault),
             _ if self.stopped => Reason::StopLine,
-            (_, State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
+            (_, State::Running | State::Holding, Reason::None) if distance > T::zero() => {
                 Reason::Lag(hinge)
             }
             (_, State::Running, Reason::None) if self.is_approaching() => Reason::Approach,
@@ -300,6 +301,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             self.stance = Stance::Unknown;
         }
         (self.groups, self.loaded_at) = (groups, self.now);
+        self.limit_lag(T::MAX);
         self.survey.clear();
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
@@ -363,6 +365,20 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.queue.limit_speeds(speed);
     }
 
+    /// Lowers [`Options::most_lag`] to `most` radians until another path is loaded, and [`Options::lag`] to half of it, if
+    /// they are larger: some sheets bear less than the controller allows. What is not above 0 lowers nothing.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
+    pub fn limit_lag(&mut self, most: T) {
+        let Options { lag, most_lag, .. } = self.options;
+        let is_lower = most > T::zero() && most < most_lag;
+        (self.lag.slows, self.lag.holds) = if is_lower {
+            (lag.min(most * T::HALF), most)
+        } else {
+            (lag, most_lag)
+        };
+    }
+
     /// Lets the motion go on from its position.
     ///
     /// # Errors
@@ -388,7 +404,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::State);
         }
         (self.state, self.fault) = (State::Holding, None);
-        self.lag = LagWatch::default();
+        self.lag.clear();
         self.unload()
     }
 
