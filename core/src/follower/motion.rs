@@ -42,7 +42,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         let goal = self.goal(lag.distance);
         let mut limits = self.options.clock;
         if lag.distance >= self.lag.holds {
-            limits.brake = limits.brake * T::lit(STUCK_BRAKE_RATIO);
+            limits.brake *= T::lit(STUCK_BRAKE_RATIO);
         }
         let step = self.clock.tick(limits, dt, goal, self.ahead());
         if step > T::zero() {

@@ -108,18 +108,20 @@ impl StuckHinges<'_> {
         let rest = MIN_HOLD_RATIO * self.drives.resolution;
         let fastest = self.speeds.iter().copied().fold(0.0, f64::max);
         let late = MIN_HOLD_RATIO * fastest * self.drives.delay;
-        let mut stretch: f64 = 1.0;
-        for (hinge, (gap, way)) in self.ways().enumerate() {
-            let lag = bound / gap;
-            if lag <= rest {
-                return Err(TooCoarse {
-                    hinge,
-                    resolution: lag / MIN_HOLD_RATIO,
-                    gap: rest * gap,
-                });
-            }
-            stretch = stretch.max((way + late) / (lag - rest));
+        let costly = self.gaps.iter().copied().enumerate();
+        if let Some((hinge, gap)) = costly.reduce(|a, b| if b.1 > a.1 { b } else { a })
+            && bound <= rest * gap
+        {
+            return Err(TooCoarse {
+                hinge,
+                resolution: bound / gap / MIN_HOLD_RATIO,
+                gap: rest * gap,
+            });
         }
+        let slower = self
+            .ways()
+            .map(|(gap, way)| (way + late) / (bound / gap - rest));
+        let stretch = slower.fold(1.0, f64::max);
         let left = self.ways().map(|(gap, way)| bound / gap - way / stretch);
         Ok(Slowed {
             stretch,
