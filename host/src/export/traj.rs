@@ -261,7 +261,7 @@ fn told_as_too_coarse(
         resolution.to_degrees()
     );
     let found = format!(
-        "{:.4} degrees, which cost a gap of {gap:.2e}: no speed is slow enough below that",
+        "{:.4} degrees, which cost a gap of more than {gap:.2e} at any speed; a finer drive or a bound above that would do",
         options.drives.resolution.to_degrees()
     );
     FileError::expected(file, edge, expected, found)

@@ -185,8 +185,8 @@ impl StreamPath {
     /// Returns the gap of the sheet (median edges) if one hinge alone is off its command by `angle`, radians; `None` if the file
     /// does not tell what the hinge costs.
     #[must_use]
-    pub fn gap(&self, hinge: u32, angle: f32) -> Option<f64> {
-        let gap = self.gaps.get(usize::try_from(hinge).ok()?)?;
+    pub fn gap(&self, hinge: usize, angle: f32) -> Option<f64> {
+        let gap = self.gaps.get(hinge)?;
         Some((gap * angle.abs()).to_f64())
     }
 

@@ -1102,7 +1102,7 @@ fn bad_files_and_usage_are_told() {
         ),
         (
             "old.traj --to sim",
-            "old.traj: byte 4: expected version 2, found 1",
+            "old.traj: byte 4: expected version 2 to 3, found 1",
         ),
         ("changed.traj --to sim", "changed.traj: "),
         ("short.traj --to sim", "short.traj: byte "),
