@@ -93,11 +93,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         hinges: impl Iterator<Item = impl Hinge>,
         mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
+        let mut unremarkable = self.lag.unremarkable();
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
         let groups = self.groups.min(GROUPS);
         let angles = self.angles.get(..groups).unwrap_or(&[]);
         let rates = self.rates.get(..groups).unwrap_or(&[]);
-        let mut unremarkable = self.lag.unremarkable();
         let mut hinge = first;
         for driven in hinges {
             let membership = driven.membership();

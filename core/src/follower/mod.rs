@@ -366,17 +366,19 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     }
 
     /// Lowers [`Options::most_lag`] to `most` radians until another path is loaded, and [`Options::lag`] to half of it, if
-    /// they are larger: some sheets bear less than the controller allows. What is not above 0 lowers nothing.
+    /// they are larger: some sheets bear less than the controller allows. A number that is not above 0 lowers nothing.
     // Not inlined, so that an image has it once.
     #[inline(never)]
     pub fn limit_lag(&mut self, most: T) {
         let Options { lag, most_lag, .. } = self.options;
-        let is_lower = most > T::zero() && most < most_lag;
-        (self.lag.slows, self.lag.holds) = if is_lower {
-            (lag.min(most * T::HALF), most)
-        } else {
-            (lag, most_lag)
-        };
+        (self.lag.slows, self.lag.holds) = (lag, most_lag);
+        if most > T::zero() && most < most_lag {
+            self.lag.holds = most;
+            let half = most * T::HALF;
+            if half < lag {
+                self.lag.slows = half;
+            }
+        }
     }
 
     /// Lets the motion go on from its position.

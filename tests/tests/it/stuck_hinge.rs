@@ -163,7 +163,7 @@ fn a_stuck_hinge_in_virtual_time_keeps_the_bound() {
             slow.times().last()
         );
         assert!(found <= MOST, "{}: {found}", case.name);
-        // The same at the speed of the path.
+        // At the speed of the path itself a stuck hinge tears farther.
         let file = Path::new(case.name);
         let fast = TrajFile::of(&case.motion, file).unwrap();
         let fast = StreamPath::read(&fast.bytes, file).unwrap();
