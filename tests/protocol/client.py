@@ -790,7 +790,7 @@ class Host:
 
 EXPECTED = """
 Hello 3 305419896 5
-Item 300 Sheet Hermite 2 1104 4 0.001 7 200 0.5
+Item 300 Sheet Hermite 2 1104 4 0.001 7 200 0.5 0.125
 Item 300 Limits 00000000 0000c03f 0000003f 00000040
 Item 300 Hinges 06
 Item 300 Spokes 0000 0000803f 00000000
