@@ -19,37 +19,13 @@ pub struct ClockLimits<T> {
     pub brake: T,
 }
 
-impl<T: Scalar> ClockLimits<T> {
-    /// Returns `true` if both limits are finite and above 0.
-    #[must_use]
-    pub fn are_sound(&self) -> bool {
-        [self.rise, self.brake]
-            .iter()
-            .all(|limit| limit.is_finite() && *limit > T::zero())
-    }
-}
-
 /// The rate of path time, 0 at first.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathClock<T> {
-    limits: ClockLimits<T>,
     rate: T,
 }
 
 impl<T: Scalar> PathClock<T> {
-    /// Creates a clock at rest. It never starts if its limits are not [sound](ClockLimits::are_sound).
-    #[must_use]
-    pub fn new(limits: ClockLimits<T>) -> Self {
-        let still = ClockLimits {
-            rise: T::zero(),
-            brake: T::zero(),
-        };
-        Self {
-            limits: if limits.are_sound() { limits } else { still },
-            rate: T::zero(),
-        }
-    }
-
     /// Returns the rate, seconds of the path in a second of the world, from 0 to 1.
     #[must_use]
     pub fn rate(&self) -> T {
@@ -63,14 +39,15 @@ impl<T: Scalar> PathClock<T> {
 
     /// Lets `dt` seconds of the world pass and returns the seconds of the path that pass meanwhile, at most `left`.
     ///
-    /// The rate moves towards `goal` as far as its limits, and the path time then left, allow. Cost: a square root and
-    /// a division.
+    /// The rate moves towards `goal` as far as the `limits`, and the path time then left, allow. The limits have to be
+    /// finite and above 0, as those of [checked options](crate::follower::CheckedOptions) are. Cost: a square root and a
+    /// division.
     #[must_use]
-    pub fn tick(&mut self, dt: T, goal: T, left: T) -> T {
+    pub fn tick(&mut self, limits: ClockLimits<T>, dt: T, goal: T, left: T) -> T {
         let positive = |value: T| value.max(T::zero());
         let (dt, left) = (positive(dt), positive(left));
         let goal = positive(goal).min(T::one());
-        let (before, ClockLimits { rise, brake }) = (self.rate, self.limits);
+        let (before, ClockLimits { rise, brake }) = (self.rate, limits);
         let slewed = goal.max(before - brake * dt).min(before + rise * dt);
         // The largest rate r whose braking distance r²/2b is at most the path time left after (before + r)/2 · dt.
         let half = brake * dt * T::HALF;

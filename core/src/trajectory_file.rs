@@ -5,17 +5,20 @@
 //! | value | type | meaning |
 //! |---|---|---|
 //! | magic | `[u8; 4]` | `FPTJ` |
-//! | version | `u8` | 2 |
+//! | version | `u8` | 3 |
 //! | interpolation | [`Interpolation`] | how the motion between knots is made |
 //! | limits | `Vec<[f32; 4]>` | a group: lower and upper angle, speed, acceleration |
 //! | hinges | `Vec<u32>` | a hinge: twice its group, and 1 more if it turns the opposite way |
 //! | spokes | `Vec<(u32, [f32; 2])>` | a spoke of an essential vertex: four times its group, 2 more if it is the last of its vertex, 1 more if it turns the opposite way; its direction |
 //! | closure | `f32` | the largest closure residual that a commanded configuration has, rounding included |
 //! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | time; a group: angle, rate and, where N is 4, weight and its rate |
+//! | most lag | `f32` | distance between a hinge and its command from which on the motion holds; infinite for that of the controller |
+//! | gaps | `Vec<f32>` | a hinge: gap of the sheet for each radian by which it alone is off, median edges; of all hinges or none |
 //! | checksum | `[u8; 4]` | CRC-32 of all bytes before, little endian |
 //!
 //! N is 4 for [`Interpolation::Homogeneous`] and 2 for all others. Units are radians and seconds throughout. All knots
-//! have the same size, so that a reader finds each knot without reading those before it.
+//! have the same size, so that a reader finds each knot without reading those before it. Files of version 2 have no most lag
+//! and no gaps.
 
 use core::fmt;
 
@@ -26,8 +29,10 @@ use crate::{GroupLimits, Membership, Spoke, StarsView};
 
 /// First bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
-/// Version that is written, and the only version that is read.
-pub const VERSION: u8 = 2;
+/// Version that is written.
+pub const VERSION: u8 = 3;
+/// Oldest version that is read.
+pub const OLDEST_VERSION: u8 = 2;
 
 /// Reason why bytes are not a trajectory, or why a trajectory cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +65,10 @@ pub enum FileError {
     Closure,
     /// A knot is not valid.
     Knot(TrajectoryError),
+    /// The distance from which on the motion holds is not above 0.
+    MostLag,
+    /// The gap of the hinge of this number is missing, has no hinge, is negative or not finite.
+    Gap(usize),
     /// The angle of this group at this knot is beyond its limits.
     Angle {
         /// Number of the knot.
@@ -73,7 +82,10 @@ impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Magic => write!(f, "byte 0: expected the magic number FPTJ"),
-            Self::Version(found) => write!(f, "byte 4: expected version {VERSION}, found {found}"),
+            Self::Version(found) => write!(
+                f,
+                "byte 4: expected version {OLDEST_VERSION} to {VERSION}, found {found}"
+            ),
             Self::Truncated(at) => write!(f, "byte {at}: the file ends within the value here"),
             Self::Trailing(at) => write!(f, "byte {at}: expected the end of the file"),
             Self::Number(at) => write!(f, "byte {at}: expected a number of at most 32 bits"),
@@ -93,6 +105,11 @@ impl fmt::Display for FileError {
             ),
             Self::Closure => write!(f, "closure: expected a finite number from 0 on"),
             Self::Knot(error) => error.fmt(f),
+            Self::MostLag => write!(f, "most lag: expected a number above 0"),
+            Self::Gap(hinge) => write!(
+                f,
+                "gap of hinge {hinge}: expected a finite number from 0 on for each hinge, or none"
+            ),
             Self::Angle { knot, group } => {
                 write!(
                     f,
@@ -105,21 +122,41 @@ impl fmt::Display for FileError {
 
 impl core::error::Error for FileError {}
 
+/// Cost of hinges that are not where they are commanded to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagCost<'a> {
+    /// Distance between a hinge and its command from which on the motion holds, radians; infinite for that of the
+    /// controller.
+    pub most_lag: f32,
+    /// Gap of the sheet for each radian by which a hinge alone is off, median edges, for each hinge; empty if it is not known.
+    pub gaps: &'a [f32],
+}
+
+impl LagCost<'_> {
+    /// The cost that is not known.
+    pub const UNKNOWN: Self = Self {
+        most_lag: f32::INFINITY,
+        gaps: &[],
+    };
+}
+
 /// Writes a file piece by piece to `sink`: a trajectory with the limits of its groups, its hinges, its essential
-/// vertices and the largest `closure` residual that they may have.
+/// vertices, the largest `closure` residual that they may have, and the `cost` of hinges that lag.
 ///
 /// # Errors
 /// If there is not one valid limit for each group, if a hinge or a spoke follows no group, if `closure` is negative or
-/// not finite, or if an angle is beyond its limits; nothing is written then.
+/// not finite, if an angle is beyond its limits, or if the cost is not valid; nothing is written then.
 pub fn write(
     trajectory: TrajectoryView<'_, f32>,
     limits: &[GroupLimits],
     hinges: &[Membership],
     stars: StarsView<'_, f32>,
     closure: f32,
+    cost: LagCost<'_>,
     sink: impl FnMut(&[u8]),
 ) -> Result<(), FileError> {
     check_to_write(trajectory, limits, hinges)?;
+    check_cost(cost.most_lag, hinges.len(), cost.gaps.iter().copied())?;
     let spokes = || stars.iter().flat_map(|star| star.spokes);
     if let Some(spoke) = spokes().position(|spoke| spoke.group.index() >= limits.len()) {
         return Err(FileError::Spoke(spoke));
@@ -158,9 +195,32 @@ pub fn write(
             }
         }
     }
+    out.floats(&[cost.most_lag]);
+    out.count(cost.gaps.len());
+    out.floats(cost.gaps);
     let checksum = out.sum.to_le_bytes();
     (out.sink)(&checksum);
     Ok(())
+}
+
+/// Checks the distance from which on the motion holds, and the gaps of the hinges.
+fn check_cost(
+    most_lag: f32,
+    hinges: usize,
+    gaps: impl ExactSizeIterator<Item = f32>,
+) -> Result<(), FileError> {
+    // False for a NaN.
+    let is_distance = most_lag > 0.0;
+    if !is_distance {
+        return Err(FileError::MostLag);
+    }
+    let count = gaps.len();
+    if count > 0 && count != hinges {
+        return Err(FileError::Gap(count.min(hinges)));
+    }
+    let mut gaps = gaps;
+    gaps.position(|gap| !is_residual(gap))
+        .map_or(Ok(()), |hinge| Err(FileError::Gap(hinge)))
 }
 
 fn is_residual(closure: f32) -> bool {
@@ -245,6 +305,9 @@ pub struct TrajectoryFile<'a> {
     closure: f32,
     /// One record for each knot.
     records: &'a [[u8; 4]],
+    most_lag: f32,
+    /// One number for each hinge, or none.
+    gaps: &'a [[u8; 4]],
 }
 
 impl<'a> TrajectoryFile<'a> {
@@ -258,7 +321,7 @@ impl<'a> TrajectoryFile<'a> {
             return Err(FileError::Magic);
         }
         let [version] = cursor.array()?;
-        if version != VERSION {
+        if !(OLDEST_VERSION..=VERSION).contains(&version) {
             return Err(FileError::Version(version));
         }
         let kind = cursor.number()?;
@@ -291,8 +354,15 @@ impl<'a> TrajectoryFile<'a> {
             spoke_codes,
             closure,
             records: &[],
+            most_lag: f32::INFINITY,
+            gaps: &[],
         };
         file.records = cursor.floats(knots, file.record())?;
+        if version > OLDEST_VERSION {
+            file.most_lag = f32::from_le_bytes(cursor.array()?);
+            let gaps = cursor.count()?;
+            file.gaps = cursor.floats(gaps, 1)?;
+        }
         let body = bytes.get(..cursor.at).unwrap_or(&[]);
         let sum = u32::from_le_bytes(cursor.array()?);
         if cursor.at < bytes.len() {
@@ -326,6 +396,7 @@ impl<'a> TrajectoryFile<'a> {
         if !is_residual(self.closure) {
             return Err(FileError::Closure);
         }
+        check_cost(self.most_lag, self.hinges, self.gaps())?;
         let mut before = None;
         for index in 0..self.knots {
             let missing = FileError::Knot(TrajectoryError::Width(index));
@@ -402,6 +473,19 @@ impl<'a> TrajectoryFile<'a> {
     #[must_use]
     pub fn closure(&self) -> f32 {
         self.closure
+    }
+
+    /// Returns the distance between a hinge and its command from which on the motion holds, radians; infinite if the file
+    /// tells none.
+    #[must_use]
+    pub fn most_lag(&self) -> f32 {
+        self.most_lag
+    }
+
+    /// Iterates over the gap of the sheet for each radian by which a hinge alone is off, median edges, for each hinge; empty
+    /// if the file tells none.
+    pub fn gaps(&self) -> impl ExactSizeIterator<Item = f32> + use<'a> {
+        self.gaps.iter().copied().map(f32::from_le_bytes)
     }
 
     /// Returns the time of a knot, in seconds since the start.

@@ -17,7 +17,7 @@ import zlib
 from dataclasses import dataclass, field
 
 VERSION = 3
-SCHEMA = 0x269C592D  # the CRC-32 of the examples of messages and values
+SCHEMA = 0xB91A14DA  # the CRC-32 of the examples of messages and values
 MASK = (1 << 64) - 1
 
 # ---------------------------------------------------------------- values
@@ -34,7 +34,7 @@ denial = State | Moving | Groups | Empty | Place | Jump u16 | Held | Unknown u16
 refused = Setpoint setpoint | Path denial | Room | Pieces | Incomplete | Limits u16 | Hinge u16 | Stars | Closure
 setpoint = State | Full | Sequence u32 | Groups | NotFinite u16 | HalfTurn u16 | Weight u16 | Order | Range u16 | \
     Speed u16 | Acceleration u16 | Open u16 | OpenBetween u16
-item = Sheet interpolation u16 u16 u16 f32 u32 u32 f32 | Limits bytes | Hinges bytes | Spokes bytes | \
+item = Sheet interpolation u16 u16 u16 f32 u32 u32 f32 f32 | Limits bytes | Hinges bytes | Spokes bytes | \
     Setpoint u32 f32 bool bytes | Nodes bytes
 host = Hello u16 u32 u32 | Item u16 item | Command u8 command | Alive | Pair bytes | Seen u32 u16
 controller = Mismatch u32 u16 u32 | Welcome u32 u32 u64 u8 u16 u16 u16 u16 | Unknown | \
@@ -144,6 +144,8 @@ class Path:
     spokes: list[tuple[int, float, float]]
     closure: float
     knots: list[tuple[float, list[list[float]]]]
+    most_lag: float = math.inf
+    gaps: list[float] = field(default_factory=list)
 
     @property
     def numbers(self) -> int:
@@ -160,7 +162,7 @@ def require(holds: bool, what: str) -> None:
 def read_path(data: bytes) -> Path:
     """Reads a `.traj` file and refuses one that breaks a rule."""
     require(data[:4] == b"FPTJ", "byte 0: not a .traj file")
-    require(data[4:5] == b"\2", "byte 4: another version")
+    require(data[4:5] in (b"\2", b"\3"), "byte 4: another version")
     require(len(data) > 9 and zlib.crc32(data[:-4]) == int.from_bytes(data[-4:], "little"), "wrong checksum")
     reader = Reader(data[:-4], 5)
     interpolation = reader.varint(32)
@@ -173,6 +175,8 @@ def read_path(data: bytes) -> Path:
     path = Path(interpolation, limits, hinges, spokes, closure, [])
     for _ in range(reader.varint(32)):
         path.knots.append((reader.floats(1)[0], [reader.floats(path.numbers) for _ in range(groups)]))
+    if data[4] == 3:
+        path.most_lag, path.gaps = reader.floats(1)[0], reader.floats(reader.varint(32))
     require(reader.at == len(data) - 4, f"byte {reader.at}: the file is too long")
     check_sheet(path)
     check_knots(path)
@@ -192,6 +196,9 @@ def check_sheet(path: Path) -> None:
         require(abs(math.hypot(x, y) - 1) <= 1.2e-4, f"spoke {spoke}: its direction is not of length 1")
     require(not path.spokes or bool(path.spokes[-1][0] & 2), f"spoke {len(path.spokes) - 1}: ends no vertex")
     require(math.isfinite(path.closure) and path.closure >= 0, "closure residual: not a residual")
+    require(path.most_lag > 0, "most lag: a distance that is not above 0")
+    require(len(path.gaps) in (0, len(path.hinges)), "gaps: neither one for each hinge nor none")
+    require(all(math.isfinite(gap) and gap >= 0 for gap in path.gaps), "gaps: one that is no gap")
 
 
 def check_knots(path: Path) -> None:
@@ -236,7 +243,7 @@ def path_items(path: Path, knot: int, behind: float) -> list[tuple]:
     """Lists all items of a path that begins some seconds behind a knot."""
     kind = ENUMS["interpolation"][path.interpolation]
     items: list[tuple] = [("Sheet", kind, len(path.limits), len(path.hinges), len(path.spokes), path.closure,
-                           path_number(path), knot, behind)]
+                           path_number(path), knot, behind, path.most_lag)]
     limits = b"".join(struct.pack("<4f", *group) for group in path.limits)
     items += [("Limits", piece) for piece in pieces(limits, 208)]
     codes, bits = packed_hinges(path)
@@ -783,7 +790,7 @@ class Host:
 
 EXPECTED = """
 Hello 3 305419896 5
-Item 300 Sheet Hermite 2 1104 4 0.001 7 200 0.5
+Item 300 Sheet Hermite 2 1104 4 0.001 7 200 0.5 0.125
 Item 300 Limits 00000000 0000c03f 0000003f 00000040
 Item 300 Hinges 06
 Item 300 Spokes 0000 0000803f 00000000

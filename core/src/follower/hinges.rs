@@ -93,11 +93,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         hinges: impl Iterator<Item = impl Hinge>,
         mut drive: impl FnMut(u32, Membership, Option<Target<T>>) -> Option<Measurement<T>>,
     ) {
+        let mut unremarkable = self.lag.unremarkable();
         // The smaller number spares a comparison for each hinge, as does a count beside the loop.
         let groups = self.groups.min(GROUPS);
         let angles = self.angles.get(..groups).unwrap_or(&[]);
         let rates = self.rates.get(..groups).unwrap_or(&[]);
-        let (lag, mut unremarkable) = (self.options.lag, self.lag.unremarkable(self.options.lag));
         let mut hinge = first;
         for driven in hinges {
             let membership = driven.membership();
@@ -116,8 +116,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
                 // False for a NaN.
                 let near = distance <= unremarkable;
                 if !near {
-                    self.lag.note(hinge, distance, lag);
-                    unremarkable = self.lag.unremarkable(lag);
+                    unremarkable = self.lag.note(hinge, distance);
                 }
             }
             hinge = hinge.wrapping_add(1);
@@ -128,7 +127,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// tells no angle.
     pub fn lose_sensor(&mut self, hinge: u32) {
         if self.is_known() {
-            self.lag.note(hinge, T::MAX, self.options.lag);
+            self.lag.note(hinge, T::MAX);
         }
     }
 
@@ -151,8 +150,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             let (group, angle) = (membership.group.index(), membership.apply(angle));
             if let Some(kept) = self.angles.get(group).filter(|_| checks) {
                 let distance = (*kept - angle).abs();
-                self.lag.note(hinge, distance, self.options.lag);
-                if distance <= self.options.lag {
+                self.lag.note(hinge, distance);
+                if distance <= self.lag.slows {
                     self.stance = Stance::Agreed;
                 }
             }

@@ -1,6 +1,7 @@
 //! The watch over hinges that lag behind their commands.
 
 use crate::Scalar;
+use crate::follower::Options;
 
 /// Number of lagging hinges that are remembered.
 const MAX_REMEMBERED: usize = 4;
@@ -21,8 +22,11 @@ pub(super) struct Lag<T> {
 /// A hinge is remembered until it is measured again, at whatever pace. So neither a sensor that fails now and then nor
 /// ticks in which a hinge is not measured hide a hinge that is stuck, unless four others lag farther. A sensor that tells no
 /// angle is remembered apart, so that it hides no hinge that is measured.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct LagWatch<T> {
+    /// Distance above which a hinge slows the motion (`slows`), and from which on it holds the motion (`holds`), radians.
+    pub(super) slows: T,
+    pub(super) holds: T,
     worst: [Lag<T>; MAX_REMEMBERED],
     /// A hinge whose sensor tells no angle, if there is one.
     failed: Option<u32>,
@@ -35,6 +39,27 @@ pub(super) struct LagWatch<T> {
 }
 
 impl<T: Scalar> LagWatch<T> {
+    /// Creates a watch that remembers nothing, by the distances of these options.
+    pub(super) fn new(options: &Options<T>) -> Self {
+        Self {
+            slows: options.lag,
+            holds: options.most_lag,
+            worst: [Lag::default(); MAX_REMEMBERED],
+            failed: None,
+            any: false,
+            stuck: 0,
+            elsewhere: 0,
+        }
+    }
+
+    /// Forgets all hinges.
+    #[inline(never)]
+    pub(super) fn clear(&mut self) {
+        let none = Lag::default();
+        (self.worst, self.failed, self.any) = ([none; MAX_REMEMBERED], None, false);
+        (self.stuck, self.elsewhere) = (0, 0);
+    }
+
     /// Returns the farthest hinge. One whose sensor tells no angle is at the largest distance.
     #[inline]
     pub(super) fn farthest(&self) -> Lag<T> {
@@ -55,25 +80,25 @@ impl<T: Scalar> LagWatch<T> {
         self.worst.iter().fold(Lag::default(), farther)
     }
 
-    /// Returns the largest distance of a hinge from its command (radians) that need not be [noted](Self::note), if hinges
-    /// farther than `lag` lag: below 0 while a hinge is remembered.
+    /// Returns the largest distance of a hinge from its command (radians) that need not be [noted](Self::note): below 0 while
+    /// a hinge is remembered.
     #[inline]
-    pub(super) fn unremarkable(&self, lag: T) -> T {
-        if self.any { -T::one() } else { lag }
+    pub(super) fn unremarkable(&self) -> T {
+        if self.any { -T::one() } else { self.slows }
     }
 
-    /// Notes the distance of a hinge from its command, radians; it lags if that is more than `lag`. If it is no number, or
+    /// Notes the distance of a hinge from its command, radians; returns what [`unremarkable`](Self::unremarkable) does then. The hinge lags if that is more than `slows`. If it is no number, or
     /// [`Scalar::MAX`], the hinge's sensor has failed. The hinge is remembered in its own place, or else in that of the
     /// nearest hinge, if it is farther. A hinge that does not lag is forgotten.
     #[inline(never)]
-    pub(super) fn note(&mut self, hinge: u32, distance: T, lag: T) {
+    pub(super) fn note(&mut self, hinge: u32, distance: T) -> T {
         let is_measured = distance < T::MAX;
         if !is_measured {
             self.failed = self.failed.or(Some(hinge));
         } else if self.failed == Some(hinge) {
             self.failed = None;
         }
-        let distance = if is_measured && distance > lag {
+        let distance = if is_measured && distance > self.slows {
             distance
         } else {
             T::zero()
@@ -95,6 +120,7 @@ impl<T: Scalar> LagWatch<T> {
         if !self.any {
             self.elsewhere = 0;
         }
+        self.unremarkable()
     }
 
     /// Lets `passed` microseconds pass, in which a hinge was stuck or not; returns the time for which it was stuck, less

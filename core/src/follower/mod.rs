@@ -45,6 +45,7 @@ use crate::path_clock::PathClock;
 use approach::Approach;
 pub use hinges::{Hinge, Measurement, Target};
 use lag::{Lag, LagWatch};
+pub use motion::STUCK_BRAKE_RATIO;
 pub use options::{CheckedOptions, OptionError, Options};
 use queue::Queue;
 pub use state::{Denial, Fault, FollowerPosition, Reason, State};
@@ -126,11 +127,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             line: false,
             stopped: false,
             fault: None,
-            clock: PathClock::new(options.clock),
+            clock: PathClock::default(),
             lease: None,
             now: 0,
             heard: 0,
-            lag: LagWatch::default(),
+            lag: LagWatch::new(&options),
             is_late: false,
             guarded: 0,
             approach: Approach::none(),
@@ -165,7 +166,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         match (self.fault, self.state, self.latch) {
             (Some(fault), ..) => Reason::Fault(fault),
             _ if self.stopped => Reason::StopLine,
-            (_, State::Running | State::Holding, Reason::None) if distance > self.options.lag => {
+            (_, State::Running | State::Holding, Reason::None) if distance > T::zero() => {
                 Reason::Lag(hinge)
             }
             (_, State::Running, Reason::None) if self.is_late => Reason::LateTick,
@@ -306,6 +307,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             self.stance = Stance::Unknown;
         }
         (self.groups, self.loaded_at) = (groups, self.now);
+        self.limit_lag(T::MAX);
         self.survey.clear();
         self.queue.begin(sheet, from.into);
         self.next = from.knot;
@@ -369,6 +371,22 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.queue.limit_speeds(speed);
     }
 
+    /// Lowers [`Options::most_lag`] to `most` radians until another path is loaded, and [`Options::lag`] to half of it, if
+    /// they are larger: some sheets bear less than the controller allows. A number that is not above 0 lowers nothing.
+    // Not inlined, so that an image has it once.
+    #[inline(never)]
+    pub fn limit_lag(&mut self, most: T) {
+        let Options { lag, most_lag, .. } = self.options;
+        (self.lag.slows, self.lag.holds) = (lag, most_lag);
+        if most > T::zero() && most < most_lag {
+            self.lag.holds = most;
+            let half = most * T::HALF;
+            if half < lag {
+                self.lag.slows = half;
+            }
+        }
+    }
+
     /// Lets the motion go on from its position.
     ///
     /// # Errors
@@ -394,7 +412,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             return Err(Denial::State);
         }
         (self.state, self.fault) = (State::Holding, None);
-        self.lag = LagWatch::default();
+        self.lag.clear();
         self.unload()
     }
 

@@ -1,12 +1,16 @@
 //! A tick of a follower: how far does it move, and what slows, holds or ends the motion?
 
-use crate::follower::lag::Lag;
+use crate::follower::lag::{Lag, LagWatch};
 use crate::follower::{Fault, Follower, Options, Reason, Stance, State};
 use crate::{Scalar, StarsView};
 
 /// Smallest rate of the clock, in fractions of the full rate, while a hinge lags by less than `most_lag`. If the rate fell
 /// to 0, the command would stop moving away from a stalled hinge, and the lag would never reach `most_lag`.
 const MIN_LAGGING_RATE: f64 = 0.1;
+
+/// Loss of the clock's rate in a second while a hinge lags by `most_lag` or more, in losses while anything else brakes. Each
+/// moment of it tears the sheet farther, unlike that of other reasons, for which all hinges go on alike.
+pub const STUCK_BRAKE_RATIO: f64 = 8.0;
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
     /// Moves on to `now`, microseconds, on a sheet with these essential vertices. Time that has already passed does not pass
@@ -38,7 +42,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         }
         let dt = T::whole(passed) * T::lit(1e-6);
         let goal = self.goal(lag.distance);
-        let step = self.clock.tick(dt, goal, self.ahead());
+        let mut limits = self.options.clock;
+        if lag.distance >= self.lag.holds {
+            limits.brake *= T::lit(STUCK_BRAKE_RATIO);
+        }
+        let step = self.clock.tick(limits, dt, goal, self.ahead());
         if step > T::zero() {
             self.move_by(stars, step, dt);
         } else {
@@ -132,7 +140,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             self.lag.restart();
             return;
         }
-        let stuck = self.lag.pass(distance >= self.options.most_lag, passed);
+        let stuck = self.lag.pass(distance >= self.lag.holds, passed);
         if stuck >= self.options.stall {
             self.fail(Fault::Stalled(hinge));
         }
@@ -140,11 +148,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
 
     /// Returns the rate that the clock should have while the farthest hinge is at this distance, from 0 to 1.
     fn goal(&self, distance: T) -> T {
-        let Options { lag, most_lag, .. } = self.options;
-        if self.is_held() || distance >= most_lag {
+        let LagWatch { slows, holds, .. } = self.lag;
+        if self.is_held() || distance >= holds {
             T::zero()
-        } else if distance > lag {
-            let part = (distance - lag) / (most_lag - lag);
+        } else if distance > slows {
+            let part = (distance - slows) / (holds - slows);
             T::one() - (T::one() - T::lit(MIN_LAGGING_RATE)) * part
         } else {
             T::one()

@@ -11,7 +11,7 @@ use crate::path_clock::ClockLimits;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<T> {
     /// Limits on the change of the path clock's rate. They add at most the hinge's speed times this to the acceleration
-    /// of a hinge.
+    /// of a hinge; [eight times](crate::follower::STUCK_BRAKE_RATIO) as much for the brake if a hinge is stuck.
     pub clock: ClockLimits<T>,
     /// Silence of the host after which the motion holds.
     pub silence: u32,
@@ -21,7 +21,8 @@ pub struct Options<T> {
     /// Distance between a hinge and its command above which the clock slows, radians.
     pub lag: T,
     /// Distance between a hinge and its command from which on the motion holds, radians. Braking moves the command on
-    /// by up to speed / (2 · brake).
+    /// by up to speed / (16 · brake). The sheet may ask for less, see
+    /// [`Follower::limit_lag`](crate::follower::Follower::limit_lag).
     pub most_lag: T,
     /// Time for which a hinge may lag by `most_lag` before the motion fails.
     pub stall: u32,

@@ -1,7 +1,6 @@
 //! The start of a motion, which needs a place that is known.
 
 use crate::Scalar;
-use crate::follower::lag::LagWatch;
 use crate::follower::{Denial, Follower, FollowerPosition, Options, Stance, State};
 
 impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNOTS> {
@@ -87,7 +86,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     pub(super) fn lose(&mut self) {
         (self.stance, self.is_off_path) = (Stance::Unknown, false);
         self.survey.clear();
-        self.lag = LagWatch::default();
+        self.lag.clear();
     }
 
     /// Returns the angles at which the path begins, if the motion may start as far as the state is concerned. Forgets
@@ -178,7 +177,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         (self.is_on_path, self.is_off_path) = (true, false);
         self.still();
         self.heard = self.now;
-        self.lag = LagWatch::default();
+        self.lag.clear();
         self.state = State::Running;
         Ok(())
     }

@@ -13,7 +13,8 @@ impl<'a> FileItems<'a> {
     /// hinges or spokes, or no knot. Cost: a checksum over all numbers of the file.
     #[must_use]
     pub fn new(file: TrajectoryFile<'a>) -> Option<Self> {
-        Self::of(file, file.interpolation(), file.closure())
+        let items = Self::of(file, file.interpolation(), file.closure())?;
+        Some(items.with_most_lag(file.most_lag()))
     }
 }
 

@@ -16,7 +16,7 @@ use crate::numbers::{Numbers, number};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0x269c_592d;
+pub const SCHEMA: u32 = 0xb91a_14da;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,6 +110,9 @@ pub struct SheetHead {
     pub path: u32,
     /// The knot of the first setpoint, and the time behind that knot at which to begin.
     pub place: FollowerPosition<f32>,
+    /// Distance between a hinge and its command from which on the motion holds, radians; infinite for that of the
+    /// controller's options, which is never exceeded.
+    pub most_lag: f32,
 }
 
 /// A setpoint as it is sent.

@@ -149,6 +149,7 @@ impl<C: Content> Items<C> {
             closure,
             path: 0,
             place,
+            most_lag: f32::INFINITY,
         };
         let mut items = Self {
             head,
@@ -157,6 +158,17 @@ impl<C: Content> Items<C> {
         };
         items.head.path = items.checksum();
         items.at(place)
+    }
+
+    /// Returns the items of this path for a sheet on which the motion holds from this distance between a hinge and its command
+    /// on (radians), if the controller does not do so earlier.
+    #[must_use]
+    pub fn with_most_lag(self, most_lag: f32) -> Self {
+        let head = SheetHead {
+            most_lag,
+            ..self.head
+        };
+        Self { head, ..self }
     }
 
     /// Returns the number that tells this path from others, see [`SheetHead::path`].

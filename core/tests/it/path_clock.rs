@@ -4,11 +4,30 @@ use foldpath_core::Scalar;
 use foldpath_core::path_clock::{ClockLimits, PathClock};
 use foldpath_test_support::Random;
 
-fn clock<T: Scalar>(rise: f64, brake: f64) -> PathClock<T> {
-    PathClock::new(ClockLimits {
-        rise: T::lit(rise),
-        brake: T::lit(brake),
-    })
+/// A clock at rest whose limits stay the same.
+struct Limited<T> {
+    clock: PathClock<T>,
+    limits: ClockLimits<T>,
+}
+
+impl<T: Scalar> Limited<T> {
+    fn tick(&mut self, dt: T, goal: T, left: T) -> T {
+        self.clock.tick(self.limits, dt, goal, left)
+    }
+
+    fn rate(&self) -> T {
+        self.clock.rate()
+    }
+}
+
+fn clock<T: Scalar>(rise: f64, brake: f64) -> Limited<T> {
+    Limited {
+        clock: PathClock::default(),
+        limits: ClockLimits {
+            rise: T::lit(rise),
+            brake: T::lit(brake),
+        },
+    }
 }
 
 /// Runs the clock over `left` seconds of the path and returns the number of ticks. Asserts that every change of the
@@ -67,7 +86,7 @@ fn it_stops_exactly_at_the_end_and_in_time() {
 fn a_hold_takes_the_braking_distance_and_a_resume_goes_on() {
     let (dt, brake) = (1e-3, 2.0);
     let mut clock = clock::<f64>(4.0, brake);
-    let go = |clock: &mut PathClock<f64>, goal, ticks| {
+    let go = |clock: &mut Limited<f64>, goal, ticks| {
         (0..ticks).map(|_| clock.tick(dt, goal, 1e9)).sum::<f64>()
     };
     go(&mut clock, 1.0, 300);
@@ -100,7 +119,7 @@ fn more_path_lifts_the_cap_without_a_jump() {
 fn halting_is_at_once_and_nonsense_moves_nothing() {
     let mut running = clock::<f32>(10.0, 1.0);
     let _ = running.tick(0.1, 1.0, 100.0);
-    running.halt();
+    running.clock.halt();
     assert_eq!(running.rate().to_bits(), 0);
     let nan = f32::NAN;
     for (dt, goal, left) in [
@@ -111,14 +130,5 @@ fn halting_is_at_once_and_nonsense_moves_nothing() {
     ] {
         assert_eq!(running.tick(dt, goal, left).to_bits(), 0);
         assert_eq!(running.rate().to_bits(), 0, "{dt} {goal} {left}");
-    }
-    for (rise, brake) in [
-        (0.0, 1.0),
-        (1.0, 0.0),
-        (f64::NAN, 1.0),
-        (1.0, f64::INFINITY),
-    ] {
-        let mut unsound = clock::<f32>(rise, brake);
-        assert_eq!(unsound.tick(0.1, 1.0, 9.0).to_bits(), 0);
     }
 }

@@ -1,7 +1,7 @@
 //! `.traj` files: are they read back as they were written, and is every other byte sequence refused?
 
 use foldpath_core::trajectory::{TrajectoryError, TrajectoryView};
-use foldpath_core::trajectory_file::{FileError, TrajectoryFile, write};
+use foldpath_core::trajectory_file::{FileError, LagCost, TrajectoryFile, write};
 use foldpath_core::wire::file::FileItems;
 use foldpath_core::{
     GroupId, GroupLimits, Interpolation, Membership, Node, Scalar, Spoke, StarsView,
@@ -59,6 +59,13 @@ fn spokes() -> [Spoke<f32>; 3] {
 
 const ENDS: [u32; 2] = [2, 3];
 const CLOSURE: f32 = 0.0009765625;
+const GAPS: [f32; 3] = [1.5, 0.5, 2.0];
+const COST: LagCost<'_> = LagCost {
+    most_lag: 0.125,
+    gaps: &GAPS,
+};
+/// Bytes of this cost in a file.
+const COST_BYTES: usize = 4 + 1 + 4 * 3;
 
 fn view(kind: Interpolation) -> TrajectoryView<'static, f32> {
     let weights: &[[f32; 2]] = match kind {
@@ -73,7 +80,7 @@ fn written(kind: Interpolation) -> Vec<u8> {
     let spokes = spokes();
     let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
     let sink = |part: &[u8]| bytes.extend_from_slice(part);
-    write(view(kind), &LIMITS, &hinges(), stars, CLOSURE, sink).unwrap();
+    write(view(kind), &LIMITS, &hinges(), stars, CLOSURE, COST, sink).unwrap();
     bytes
 }
 
@@ -129,6 +136,8 @@ fn what_is_written_is_read_back() {
                 .eq(spokes().into_iter().zip([false, true, true]))
         );
         assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
+        assert_eq!(file.most_lag().to_bits(), COST.most_lag.to_bits());
+        assert!(file.gaps().eq(GAPS));
         assert_holds(&file, view(kind));
         for (segment, group) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let expected = view(kind).curve(segment, group);
@@ -136,6 +145,26 @@ fn what_is_written_is_read_back() {
         }
         assert_eq!((file.time(3), file.limits(2)), (None, None));
         assert_eq!((file.node(0, 2), file.node(3, 0)), (None, None));
+    }
+}
+
+/// A file of version 2 ends behind its knots, and tells no cost.
+#[test]
+fn files_of_version_2_are_read() {
+    for kind in KINDS {
+        let mut bytes = written(kind);
+        let end = bytes.len() - 4;
+        bytes.drain(end - COST_BYTES..end);
+        bytes[4] = 2;
+        let bytes = sealed(bytes);
+        let file = TrajectoryFile::read(&bytes).unwrap();
+        assert_holds(&file, view(kind));
+        assert_eq!(file.most_lag().to_bits(), f32::INFINITY.to_bits());
+        assert_eq!(file.gaps().len(), 0);
+        let new = written(kind);
+        let new = FileItems::new(TrajectoryFile::read(&new).unwrap()).unwrap();
+        let old = FileItems::new(file).unwrap();
+        assert_eq!(old.identity(), new.identity());
     }
 }
 
@@ -151,6 +180,8 @@ struct Documented<const N: usize> {
     spokes: Vec<(u32, [f32; 2])>,
     closure: f32,
     knots: Vec<(f32, [[f32; N]; 2])>,
+    most_lag: f32,
+    gaps: Vec<f32>,
     checksum: [u8; 4],
 }
 
@@ -161,7 +192,7 @@ fn the_file_is_the_postcard_of_its_documented_types() {
         let bytes = written(kind);
         let (file, rest) = postcard::take_from_bytes::<Documented<2>>(&bytes).unwrap();
         assert!(rest.is_empty());
-        assert_eq!((&file.magic, file.version), (b"FPTJ", 2));
+        assert_eq!((&file.magic, file.version), (b"FPTJ", 3));
         assert_eq!(file.interpolation, kind);
         assert_eq!(
             (&file.limits[..], &file.hinges[..]),
@@ -174,6 +205,7 @@ fn the_file_is_the_postcard_of_its_documented_types() {
             (TIMES[k], [pair(2 * k), pair(2 * k + 1)])
         });
         assert_eq!(file.knots, knots);
+        assert_eq!((file.most_lag, &file.gaps[..]), (COST.most_lag, &GAPS[..]));
         let expected = crc(&bytes[..bytes.len() - 4]).to_le_bytes();
         assert_eq!(file.checksum, expected);
     }
@@ -249,8 +281,8 @@ fn each_refusal_says_what_and_where() {
         matches!(cut, FileError::Truncated(at) if at > PLACES[4]),
         "{cut}"
     );
-    assert_eq!(byte(6, 9), FileError::Truncated(PLACES[0]));
-    assert_eq!(byte(PLACES[4] - 1, 4), FileError::Truncated(PLACES[4]));
+    assert_eq!(byte(6, 20), FileError::Truncated(PLACES[0]));
+    assert_eq!(byte(PLACES[4] - 1, 9), FileError::Truncated(PLACES[4]));
     let groups = changed(hermite, |bytes| {
         bytes[6..9].copy_from_slice(&[0x80, 0x80, 4])
     });
@@ -261,6 +293,24 @@ fn each_refusal_says_what_and_where() {
     unsealed[PLACES[4]] ^= 1;
     let checksum = TrajectoryFile::read(&unsealed).unwrap_err();
     assert_eq!(checksum, FileError::Checksum);
+
+    let cost = written(hermite).len() - 4 - COST_BYTES;
+    for (at, value, expected) in [
+        (cost, 0.0, Err(FileError::MostLag)),
+        (cost, f32::NAN, Err(FileError::MostLag)),
+        (cost, f32::INFINITY, Ok(())),
+        (cost + 5, -0.5, Err(FileError::Gap(0))),
+        (cost + 13, f32::INFINITY, Err(FileError::Gap(2))),
+        (cost + 13, 0.0, Ok(())),
+    ] {
+        assert_eq!(with_number(hermite, at, value), expected, "{at} {value}");
+    }
+    // Two gaps for three hinges.
+    let mut two = written(hermite);
+    two[cost + 4] = 2;
+    two.drain(cost + 5..cost + 9);
+    let two = TrajectoryFile::read(&sealed(two)).map(drop);
+    assert_eq!(two, Err(FileError::Gap(2)));
 
     let knot = |error| Err(FileError::Knot(error));
     let beyond = |knot, group| Err(FileError::Angle { knot, group });
@@ -300,7 +350,17 @@ fn what_would_not_be_read_is_not_written() {
         angles[3] = angle;
         let view =
             TrajectoryView::new(Interpolation::Hermite, 2, &TIMES, &angles, &RATES, &[]).unwrap();
-        written_bytes(|sink| write(view, limits, hinges, stars(&[]), CLOSURE, sink))
+        written_bytes(|sink| {
+            write(
+                view,
+                limits,
+                hinges,
+                stars(&[]),
+                CLOSURE,
+                LagCost::UNKNOWN,
+                sink,
+            )
+        })
     };
     let stray = Membership {
         group: GroupId(2),
@@ -323,7 +383,8 @@ fn what_would_not_be_read_is_not_written() {
     let write = |spokes: &[Spoke<f32>], closure| {
         let view = view(Interpolation::Hermite);
         written_bytes(|sink| {
-            foldpath_core::trajectory_file::write(view, &LIMITS, &[], stars(spokes), closure, sink)
+            let (stars, cost) = (stars(spokes), LagCost::UNKNOWN);
+            foldpath_core::trajectory_file::write(view, &LIMITS, &[], stars, closure, cost, sink)
         })
     };
     let mut spokes = spokes();
@@ -429,7 +490,7 @@ fn the_example_of_the_protocol_is_what_it_says() {
     let stars = StarsView::new(&spokes, &ENDS, 2).unwrap();
     assert_eq!(file.closure().to_bits(), CLOSURE.to_bits());
     let sink = |part: &[u8]| again.extend_from_slice(part);
-    write(view, &[limits, tame], &hinges(), stars, CLOSURE, sink).unwrap();
+    write(view, &[limits, tame], &hinges(), stars, CLOSURE, COST, sink).unwrap();
     assert_eq!(again, bytes);
     // Its number on the line is the one that the protocol gives.
     let number = FileItems::new(file).unwrap().identity();

@@ -6,7 +6,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use foldpath_core::acceptance::Refusal;
 use foldpath_core::follower::{Denial, Fault, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::trajectory_file::{self, TrajectoryFile};
+use foldpath_core::trajectory_file::{self, LagCost, TrajectoryFile};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::file::FileItems;
 use foldpath_core::wire::frame;
@@ -140,6 +140,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         closure: 0.001,
         path: 7,
         place,
+        most_lag: 0.125,
     };
     let setpoint = SetpointBytes {
         number: 300,
@@ -215,7 +216,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (
             item(Item::Sheet(head)),
-            "Item 300, Sheet: Hermite, 2 groups, 1104 hinges, 4 spokes, closure 0.001, path 7, begins 0.5 s behind knot 200",
+            "Item 300, Sheet: Hermite, 2 groups, 1104 hinges, 4 spokes, closure 0.001, path 7, begins 0.5 s behind knot 200, most lag 0.125",
         ),
         (
             item(Item::Limits(&limits)),
@@ -1019,11 +1020,16 @@ fn a_file_gives_the_items_of_its_path() {
         let view = view.unwrap();
         let mut bytes = Vec::new();
         let sink = |piece: &[u8]| bytes.extend(piece);
-        trajectory_file::write(view, &limits, &members, stars, 1e-6, sink).unwrap();
+        let cost = LagCost {
+            most_lag: 0.125,
+            gaps: &[],
+        };
+        trajectory_file::write(view, &limits, &members, stars, 1e-6, cost, sink).unwrap();
         let file = FileItems::new(TrajectoryFile::read(&bytes).unwrap()).unwrap();
         for knot in 0..u32::from(knots) {
             let place = FollowerPosition { knot, into: 0.25 };
             let items = PathItems::new(view, &limits, &members, stars, 1e-6, place).unwrap();
+            let items = items.with_most_lag(cost.most_lag);
             let file = file.at(place).unwrap();
             assert_eq!(file.identity(), items.identity());
             for index in 0..=items.count() as u64 {

@@ -219,6 +219,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         if self.follower.state() == State::Idle {
             let loaded = self.follower.load(&view, head.place);
             loaded.map_err(ItemRefusal::Path)?;
+            self.follower.limit_lag(head.most_lag);
         }
         let mut nodes = self.staged.clone();
         if !stage(&mut nodes, view.interpolation, head.groups, bytes.nodes) {

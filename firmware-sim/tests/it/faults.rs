@@ -547,7 +547,7 @@ fn a_dip_that_resets_the_controller_ends_where_the_hinges_stand() {
         world.hosts.push(Host::new(&path, 99_999));
         world.run(3_000_000);
         let sender = world.hosts.last().unwrap().sender();
-        if sender.report().unwrap().denied == Some(Denial::Jump(0)) {
+        if matches!(sender.report().unwrap().denied, Some(Denial::Jump(_))) {
             denied += 1;
             assert_eq!(world.hinges.as_ref().unwrap().angles(), stood);
         } else {

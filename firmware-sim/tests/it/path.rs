@@ -150,7 +150,17 @@ impl Path {
         let mut bytes = Vec::new();
         let (limits, stars) = (&[LIMITS; 2], self.stars.view());
         let sink = |piece: &[u8]| bytes.extend(piece);
-        trajectory_file::write(self.view(), limits, &self.hinges, stars, CLOSURE, sink).unwrap();
+        let cost = trajectory_file::LagCost::UNKNOWN;
+        trajectory_file::write(
+            self.view(),
+            limits,
+            &self.hinges,
+            stars,
+            CLOSURE,
+            cost,
+            sink,
+        )
+        .unwrap();
         bytes
     }
 

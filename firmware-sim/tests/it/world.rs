@@ -267,9 +267,14 @@ impl<'a, P: Protection> World<'a, P> {
         }
         let rates = [follower.rates()[0], follower.rates()[1]];
         let before = core::mem::replace(&mut self.rates, rates);
-        // Every stop brakes, except for a stop line, a fault or a reset.
+        // Every stop brakes, harder for a stuck hinge, except for a stop line, a fault or a reset.
         if follower.rate() > 0.0 {
-            let most = (LIMITS.acceleration + 4.0 * LIMITS.speed) * 1.001e-3;
+            let brake = if matches!(reason, Reason::Lag(_)) {
+                32.0
+            } else {
+                4.0
+            };
+            let most = (LIMITS.acceleration + brake * LIMITS.speed) * 1.001e-3;
             let jumps = |(rate, before): (f32, f32)| (rate - before).abs() > most;
             let mut pairs = rates.into_iter().zip(before);
             assert!(!pairs.any(jumps), "{before:?} to {rates:?}");

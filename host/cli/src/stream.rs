@@ -304,7 +304,11 @@ fn report(
         json.max_closure,
     );
     if let Some((lag, hinge)) = json.max_lag.zip(json.lag_hinge) {
-        text += &format!("  lag          {lag:.3} degrees at most, of hinge {hinge}\n");
+        text += &format!("  lag          {lag:.3} degrees at most, of hinge {hinge}");
+        if let Some(gap) = summary.lag.and_then(|lag| path.gap(lag.hinge, lag.angle)) {
+            text += &format!(": a gap of {gap:.1e} if it was alone");
+        }
+        text += "\n";
     }
     if let Some(time) = json.round_trip {
         text += &format!("  round trip   {:.1} ms\n", 1e3 * time);

@@ -10,10 +10,13 @@ pub mod mjcf;
 mod mjcf_panels;
 pub mod obj_sequence;
 pub mod rust;
+mod stuck_hinge;
 pub mod svg_pattern;
 pub mod traj;
 
 use std::path::Path;
+
+pub use stuck_hinge::{Drives, USUAL_RESOLUTION_DEG};
 
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
@@ -72,6 +75,10 @@ pub struct ExportOptions {
     pub colour: svg_pattern::Colour,
     /// Draws the numbers of the edges.
     pub numbers: bool,
+    /// Largest gap that one stuck hinge may cost, median edges; `None` to keep the speed of the path.
+    pub bound: Option<f64>,
+    /// Drives on which it depends what a stuck hinge costs.
+    pub drives: Drives,
 }
 
 crate::util::changed_one_by_one!(ExportOptions);
@@ -131,13 +138,16 @@ const fn path(_: &ExportOptions) -> Needs {
     Needs::Path
 }
 
+/// Options of what a controller follows.
+const STUCK: &[&str] = &["bound", "resolution", "period", "delay", "brake"];
+
 /// The formats.
 pub const FORMATS: &[Format] = &[
     Format {
         name: "traj",
         text: "File that a controller stores and follows: group angles and rates at the knots, with limits",
         place: Place::File,
-        options: &[],
+        options: STUCK,
         needs: path,
         make: traj::made,
     },
@@ -153,7 +163,7 @@ pub const FORMATS: &[Format] = &[
         name: "rust",
         text: "Contents of a .traj file as Rust constants, which need foldpath-core but no std",
         place: Place::File,
-        options: &[],
+        options: STUCK,
         needs: path,
         make: rust::made,
     },

@@ -17,10 +17,16 @@ const MAX_LINE_CHARS: usize = 100;
 /// Makes the file.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let motion = export.motion()?;
-    let file = TrajFile::of(motion, export.name)?;
+    let file = TrajFile::with(motion, export.name, export.options)?;
     let text = source(&file, &motion.title, export.name)?;
     sink("", text.into_bytes())?;
-    Ok(Made::told(file.told()))
+    Ok(Made {
+        told: file.told(),
+        notes: file
+            .told_of_stuck_hinges(motion, export.options)
+            .into_iter()
+            .collect(),
+    })
 }
 
 /// Formats the content of a `.traj` file as Rust constants; `title` goes into a comment.
@@ -54,6 +60,8 @@ pub fn source(traj: &TrajFile, title: &str, file: &Path) -> Result<String, FileE
             &format!("foldpath_core::Interpolation::{kind}")),
         value("Number of crease groups", "GROUPS", "usize", &groups),
         value("Largest closure residual of a commanded configuration", "CLOSURE", "f32", &number(file.closure())),
+        value("Distance between a hinge and its command from which on the motion has to hold, radians", "MOST_LAG", "f32",
+            &number(file.most_lag())),
         list("Seconds of the knots", "TIMES", "f32", (0..knots).filter_map(|k| file.time(k)).map(number)),
         list("Fold angles in radians, a row a knot", "ANGLES", "f32", nodes().map(|n| number(n.angle))),
         list("Their rates in radians per second", "RATES", "f32", nodes().map(|n| number(n.rate))),

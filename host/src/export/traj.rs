@@ -4,11 +4,13 @@ use core::f64::consts::PI;
 use std::path::Path;
 
 use foldpath_core::trajectory::{TrajectoryError, TrajectoryView};
-use foldpath_core::trajectory_file::{FileError as WriteError, write};
+use foldpath_core::trajectory_file::{FileError as WriteError, LagCost, write};
 use foldpath_core::{GroupLimits, Interpolation, Membership, Node, Scalar, Spoke, StarsView};
 
 use super::groups::HingeGroups;
-use super::{Export, Made, Sink};
+use super::stuck_hinge::{Drives, Slowed, StuckHinges, TooCoarse};
+use super::{Export, ExportOptions, Made, Sink};
+use crate::folding::hinge_gaps;
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
 use crate::planner::Overshoot;
@@ -17,7 +19,7 @@ use crate::symmetry::{CreaseGroups, ReducedStars, largest_star_residual};
 use crate::util::nan_max::largest;
 
 /// A path encoded as a `.traj` file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajFile {
     /// The bytes of the file.
     pub bytes: Vec<u8>,
@@ -31,20 +33,29 @@ pub struct TrajFile {
     pub knots: usize,
     /// Seconds from the first knot to the last.
     pub duration: f64,
+    /// Distance between a hinge and its command from which on the motion has to hold, radians; infinite for that of the
+    /// controller.
+    pub most_lag: f64,
+    /// Gap of the sheet for each radian by which a hinge alone is off, median edges, for each hinge.
+    pub gaps: Vec<f64>,
+    /// Largest gap that one stuck hinge costs, median edges, and the number of the hinge; `None` without hinges.
+    pub stuck: Option<(usize, f64)>,
 }
 
 /// Makes the file.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
-    let file = TrajFile::of(export.motion()?, export.name)?;
+    let motion = export.motion()?;
+    let file = TrajFile::with(motion, export.name, export.options)?;
     let room = format!(
         "a controller needs room for {} groups, {} hinges and {} spokes",
         file.groups, file.hinges, file.spokes
     );
     let told = file.told();
+    let stuck = file.told_of_stuck_hinges(motion, export.options);
     sink("", file.bytes)?;
     Ok(Made {
         told,
-        notes: vec![room],
+        notes: [Some(room), stuck].into_iter().flatten().collect(),
     })
 }
 
@@ -79,6 +90,37 @@ impl TrajFile {
         )
     }
 
+    /// Describes what a stuck hinge costs, if there are hinges.
+    pub(super) fn told_of_stuck_hinges(
+        &self,
+        motion: &Motion,
+        options: &ExportOptions,
+    ) -> Option<String> {
+        let (hinge, gap) = self.stuck?;
+        let edge = motion.pattern.creases().get(hinge)?;
+        let Drives {
+            resolution,
+            period,
+            delay,
+            brake,
+        } = options.drives;
+        let drives = format!(
+            "with drives that keep a hinge within {:.3} degrees and follow {delay} s late, a measurement every {period} s, and a brake of {brake} a second",
+            resolution.to_degrees()
+        );
+        let slowed = if self.most_lag.is_finite() {
+            format!(
+                "; a lag of {:.3} degrees holds the motion",
+                self.most_lag.to_degrees()
+            )
+        } else {
+            String::new()
+        };
+        Some(format!(
+            "a hinge that sticks tears the sheet by at most {gap:.2e} median edges before the motion rests, at edge {edge}, {drives}{slowed}"
+        ))
+    }
+
     /// Rounds the path of `file` to `f32`. The rounded path keeps the limits on speed and acceleration: its duration is
     /// stretched only as far as that requires. For a limit that the file does not state, the largest value along the
     /// path is used.
@@ -87,6 +129,15 @@ impl TrajFile {
     /// If a hinge does not turn as its group does, if the path exceeds its own limits, or if controllers cannot follow
     /// a knot.
     pub fn of(motion: &Motion, file: &Path) -> Result<Self, FileError> {
+        Self::with(motion, file, &ExportOptions::default())
+    }
+
+    /// Rounds the path as [`of`](Self::of) does, and slows it down as far as the bound of these options requires, on the gap
+    /// that one stuck hinge may cost.
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of), and if a drive is too coarse for the bound.
+    pub fn with(motion: &Motion, file: &Path, options: &ExportOptions) -> Result<Self, FileError> {
         let groups = HingeGroups::of(motion, file)?;
         let exact = TrajectoryArrays::of(motion, &groups);
         let unfit = |error: &dyn core::error::Error| {
@@ -116,7 +167,19 @@ impl TrajFile {
             speed,
             acceleration,
         };
-        let mut stretch = 1.0;
+        let hinges = StuckHinges {
+            gaps: hinge_gaps(motion),
+            hinges: &groups.hinges,
+            speeds: Overshoot::speeds(view),
+            drives: options.drives,
+        };
+        let slowed = match options.bound {
+            Some(bound) => hinges
+                .slowed(bound)
+                .map_err(|coarse| told_as_too_coarse(coarse, motion, file, bound, options))?,
+            None => Slowed::NOT,
+        };
+        let mut stretch = slowed.stretch;
         for _ in 0..MAX_ROUNDS {
             let rounded = exact.rounded(stretch);
             let wide = rounded.widened();
@@ -124,8 +187,13 @@ impl TrajFile {
             let excess = Overshoot::of(wide, &speeds, &accelerations).stretch();
             if excess <= 1.0 {
                 let rounded = rounded.view().map_err(|error| unfit(&error))?;
-                let hinges = &groups.hinges;
-                let file = Self::encoded(rounded, wide, &motion.pattern, hinges, limits);
+                let file = Self {
+                    most_lag: slowed.most_lag,
+                    stuck: hinges.worst(&slowed),
+                    gaps: hinges.gaps,
+                    ..Self::default()
+                };
+                let file = file.encoded(rounded, wide, &motion.pattern, &groups.hinges, limits);
                 return file.map_err(|error| unfit(&error));
             }
             stretch *= excess;
@@ -137,6 +205,7 @@ impl TrajFile {
 
     /// Encodes a rounded path, which is widened again in `wide`.
     fn encoded(
+        self,
         rounded: TrajectoryView<'_, f32>,
         wide: TrajectoryView<'_, f64>,
         pattern: &CreasePattern,
@@ -152,7 +221,13 @@ impl TrajFile {
         let stars = stars.ok_or(WriteError::Spoke(0))?;
         let mut bytes = Vec::new();
         let sink = |part: &[u8]| bytes.extend_from_slice(part);
-        write(rounded, &limits, hinges, stars, closure, sink)?;
+        let gaps: Vec<f32> = self.gaps.iter().copied().map(f32::lit).collect();
+        let cost = LagCost {
+            // Rounded down, so that the bound is kept.
+            most_lag: f32::lit(self.most_lag).next_down(),
+            gaps: &gaps,
+        };
+        write(rounded, &limits, hinges, stars, closure, cost, sink)?;
         let last = wide.len().checked_sub(1).and_then(|last| wide.knot(last));
         Ok(Self {
             bytes,
@@ -161,8 +236,35 @@ impl TrajFile {
             spokes: spokes.len(),
             knots: rounded.len(),
             duration: last.map_or(0.0, |knot| knot.time),
+            ..self
         })
     }
+}
+
+/// Returns the error of a drive that is too coarse for a bound.
+fn told_as_too_coarse(
+    coarse: TooCoarse,
+    motion: &Motion,
+    file: &Path,
+    bound: f64,
+    options: &ExportOptions,
+) -> FileError {
+    let TooCoarse {
+        hinge,
+        resolution,
+        gap,
+    } = coarse;
+    let edge = motion.pattern.creases().get(hinge);
+    let edge = edge.map_or_else(String::new, |edge| format!("edge {edge}"));
+    let expected = format!(
+        "a drive that keeps this hinge within less than {:.4} degrees, for a gap of at most {bound} median edges if it sticks",
+        resolution.to_degrees()
+    );
+    let found = format!(
+        "{:.4} degrees, which cost a gap of more than {gap:.2e} at any speed; a finer drive or a bound above that would do",
+        options.drives.resolution.to_degrees()
+    );
+    FileError::expected(file, edge, expected, found)
 }
 
 /// Rounds a limit to `f32`. A limit stated by the file (`known`) is rounded down, so that keeping the rounded limit

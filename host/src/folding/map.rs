@@ -210,17 +210,10 @@ impl FoldingMap {
     /// Cost: O(corners of the faces at these creases).
     #[must_use]
     pub fn parting(&self, pattern: &CreasePattern, tree: &SpanningTree) -> f64 {
-        let reach = |step: &Step, face: FaceId| {
-            let corners = pattern.faces()[face.index()].iter();
-            largest(corners.map(|corner| {
-                let away = pattern.vertices()[corner.index()] - step.pivot;
-                step.axis.perp(&away).abs()
-            }))
-        };
         let parted = tree
             .loops()
             .iter()
-            .map(|step| self.twist(step) * reach(step, step.face).min(reach(step, step.parent)));
+            .map(|step| self.twist(step) * least_reach(pattern, step));
         largest(parted) / pattern.median_edge()
     }
 
@@ -230,6 +223,18 @@ impl FoldingMap {
         let r_wb = self.poses[step.face.index()].r_wf;
         2.0 * (self.beyond(step).inverse() * r_wb).v.norm()
     }
+}
+
+/// Returns how far the smaller of the two faces of a step reaches from the edge between them.
+pub(super) fn least_reach(pattern: &CreasePattern, step: &Step) -> f64 {
+    let reach = |face: FaceId| {
+        let corners = pattern.faces()[face.index()].iter();
+        largest(corners.map(|corner| {
+            let away = pattern.vertices()[corner.index()] - step.pivot;
+            step.axis.perp(&away).abs()
+        }))
+    };
+    reach(step.face).min(reach(step.parent))
 }
 
 /// Returns the largest relative change of length of an edge or virtual edge, for given folded positions.

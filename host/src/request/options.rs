@@ -13,9 +13,9 @@ use super::table::{self, options};
 use super::values::{EdgeAngles, Frames, Switch};
 use crate::check::CheckOptions;
 use crate::collision::CONTACT_EDGES;
-use crate::export::ExportOptions;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
+use crate::export::{Drives, ExportOptions, USUAL_RESOLUTION_DEG};
 use crate::folding::{BOUND, DEFAULT_BOUND};
 use crate::pattern::{BEND_DEG, Letter, Unit};
 use crate::planner::{
@@ -26,6 +26,10 @@ use crate::planner::{
 use crate::read::{ColourLetters, ReadOptions, Straighten, TOLERANCE};
 use crate::util::range::Range;
 
+/// Largest error of a drive.
+const RESOLUTION_DEG: Range = Range::from("degrees", 0.0).up_to(180.0);
+/// Time by which drives and sensors are late.
+const LATE_S: Range = Range::from("seconds", 0.0).up_to(60.0);
 /// Time after which a command stops.
 pub(super) const TIMEOUT_S: Range = Range::from("seconds", 0.0);
 
@@ -215,6 +219,29 @@ options! {
 
         /// With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
         numbers: bool = false;
+
+        /// With traj or rust: slow the path down, so that a hinge that sticks tears the sheet by no more than this gap
+        ///
+        /// The gap is the distance between the positions that faces give one vertex, over the median edge, once the
+        /// controller has noticed and the motion rests. The file tells the controller the lag from which on it has to hold.
+        /// Drives that are too coarse for the bound are an error. Without a bound the speed stays.
+        bound: Option<f64> = None, range: Some(BOUND);
+
+        /// With traj or rust: largest angle by which a drive is off its command at rest, or measured there, degrees
+        resolution: f64 = USUAL_RESOLUTION_DEG, value_name: "DEG", range: Some(RESOLUTION_DEG)
+            => |export, degrees| export.drives.resolution = degrees.to_radians();
+
+        /// With traj or rust: longest time between two measurements of a hinge, seconds
+        period: f64 = Drives::USUAL.period, value_name: "S", range: Some(LATE_S)
+            => |export, seconds| export.drives.period = *seconds;
+
+        /// With traj or rust: time by which drives follow late, seconds
+        delay: f64 = Drives::USUAL.delay, value_name: "S", range: Some(LATE_S)
+            => |export, seconds| export.drives.delay = *seconds;
+
+        /// With traj or rust: loss of the speed in a second when the controller brakes, in full speeds
+        brake: f64 = Drives::USUAL.brake, value_name: "PER_S", range: Some(Range::above("a rate in 1/s", 0.0))
+            => |export, brake| export.drives.brake = *brake;
     }
 }
 

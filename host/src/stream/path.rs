@@ -39,6 +39,11 @@ pub struct StreamPath {
     wide: Vec<Spoke<f64>>,
     ends: Vec<u32>,
     closure: f32,
+    /// Distance between a hinge and its command from which on the motion has to hold, radians; infinite for that of the
+    /// controller.
+    most_lag: f32,
+    /// Gap for each radian by which a hinge alone is off, median edges, for each hinge; empty if the file does not tell.
+    gaps: Vec<f32>,
 }
 
 impl StreamPath {
@@ -66,6 +71,8 @@ impl StreamPath {
             wide: traj.spokes().map(|(spoke, _)| widened(spoke)).collect(),
             ends: ends.map(|(end, _)| end).collect(),
             closure: traj.closure(),
+            most_lag: traj.most_lag(),
+            gaps: traj.gaps().collect(),
         };
         if this.items().is_none() {
             let expected =
@@ -173,6 +180,14 @@ impl StreamPath {
     #[must_use]
     pub fn closure(&self) -> f32 {
         self.closure
+    }
+
+    /// Returns the gap of the sheet (median edges) if one hinge alone is off its command by `angle`, radians; `None` if the file
+    /// does not tell what the hinge costs.
+    #[must_use]
+    pub fn gap(&self, hinge: usize, angle: f32) -> Option<f64> {
+        let gap = self.gaps.get(hinge)?;
+        Some((gap * angle.abs()).to_f64())
     }
 
     /// Returns the largest closure residual of an essential vertex at these group angles (radians); 0 if `angles` has
@@ -283,14 +298,15 @@ impl StreamPath {
     #[must_use]
     pub fn items(&self) -> Option<PathItems<'_>> {
         let (limits, hinges) = (&self.limits, &self.hinges);
-        PathItems::new(
+        let items = PathItems::new(
             self.view()?,
             limits,
             hinges,
             self.stars()?,
             self.closure,
             FollowerPosition::default(),
-        )
+        )?;
+        Some(items.with_most_lag(self.most_lag))
     }
 }
 

@@ -110,6 +110,11 @@ class Motion:
         frames: int | None = None,
         colour: Literal["letters", "groups", "deformation"] | None = None,
         numbers: bool | None = None,
+        bound: float | None = None,
+        resolution: float | None = None,
+        period: float | None = None,
+        delay: float | None = None,
+        brake: float | None = None,
     ) -> None:
         """Export the motion, as ``foldpath export`` does.
 
@@ -134,6 +139,15 @@ class Motion:
           degrees from one frame to the next
         - ``colour``: With svg: meaning of the colours
         - ``numbers``: With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
+        - ``bound``: With traj or rust: slow the path down, so that a hinge that sticks tears the sheet by no more
+          than this gap. The gap is the distance between the positions that faces give one vertex, over the median
+          edge, once the controller has noticed and the motion rests. The file tells the controller the lag from which
+          on it has to hold. Drives that are too coarse for the bound are an error. Without a bound the speed stays
+        - ``resolution``: With traj or rust: largest angle by which a drive is off its command at rest, or measured
+          there, degrees
+        - ``period``: With traj or rust: longest time between two measurements of a hinge, seconds
+        - ``delay``: With traj or rust: time by which drives follow late, seconds
+        - ``brake``: With traj or rust: loss of the speed in a second when the controller brakes, in full speeds
         """
         given = dict(locals())
         arguments = [f"--output={os.fsdecode(given.pop('file'))}"]

@@ -20,7 +20,7 @@ use foldpath_test_support::curve;
 use foldpath_tests::Planned;
 
 #[path = "../../../host/cli/tests/it/session.rs"]
-mod session;
+pub(crate) mod session;
 
 /// Returns the bytes of the `.traj` file of a planned Miura fold.
 fn planned() -> Vec<u8> {

@@ -33,6 +33,7 @@ mod reuse;
 mod rounded;
 mod skips;
 mod steps;
+mod stuck_hinge;
 mod torn_sides;
 mod traps;
 mod way_round;

@@ -558,6 +558,7 @@ impl Execution<'_> {
             closure: self.number(),
             path: self.rng.next_u32(),
             place: self.place(0),
+            most_lag: self.number(),
         };
         let item = match self.below(4) {
             0 => Item::Sheet(head),

@@ -378,7 +378,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Checks that the rate of the clock changes by at most 4 a second, and is 0 if no path is left.
+    /// Checks that the rate of the clock changes by at most 4 a second, or falls by 32 because of a hinge that is elsewhere,
+    /// and is 0 if no path is left.
     fn rates(&self, before: &Look, after: &Look, passed: u64) {
         // On other paths, far from time 0, the end of a long segment is rounded.
         if after.state == State::Faulted || !self.pristine {
@@ -386,7 +387,7 @@ impl<'a> Subject<'a> {
         }
         let [from, to] = [before.rate, after.rate].map(f32::from_bits);
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
-        let most = 4e-6 * passed as f32;
+        let most = if self.away && to < from { 32e-6 } else { 4e-6 } * passed as f32;
         // Near the end the path time left is rounded, and the rate grows as its square root.
         // An approach has a way of its own before that of the path.
         let follower = self.device.follower();

@@ -117,6 +117,10 @@ fn usage() {
         export path.fold --to mjcf -o miura.fold
         export path.fold --to traj --rate 50 -o a.traj
         export path.fold --to csv --rate 0 -o a.csv
+        export path.fold --to csv --bound 0.01 -o a.csv
+        export path.fold --to traj --bound 0 -o a.traj
+        export path.fold --to traj --bound 0.01 --brake 0 -o a.traj
+        export path.fold --to traj --bound 0.01 --resolution 0.5 -o a.traj
         export path.fold --to csv --rate 1e12 -o a.csv
         export path.fold --to csv --per group -o a.csv
         batch designs.jsonl

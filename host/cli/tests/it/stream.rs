@@ -19,7 +19,7 @@ use foldpath_controller::{Controller, Settings};
 use foldpath_core::acceptance::{Setpoint, SheetView};
 use foldpath_core::follower::{self, Fault, Follower, FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::trajectory_file::{TrajectoryFile, write};
+use foldpath_core::trajectory_file::{LagCost, TrajectoryFile, write};
 use foldpath_core::wire::cobs;
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
@@ -533,9 +533,15 @@ fn a_path_of_94_groups_is_streamed_whole() {
         .collect();
     let stars = StarsView::new(&[], &[], GROUPS).unwrap();
     let mut bytes = Vec::new();
-    write(view, &limits, &hinges, stars, 0.0, |more| {
-        bytes.extend_from_slice(more)
-    })
+    write(
+        view,
+        &limits,
+        &hinges,
+        stars,
+        0.0,
+        LagCost::UNKNOWN,
+        |more| bytes.extend_from_slice(more),
+    )
     .unwrap();
     std::fs::write(folder.path("wide.traj"), &bytes).unwrap();
     let path = StreamPath::read(&bytes, Path::new("wide.traj")).unwrap();
@@ -1046,7 +1052,16 @@ fn made(speed: f32, angles: [f32; 2], closure: f32) -> Vec<u8> {
     let stars = StarsView::new(&spokes, &[2], 2).unwrap();
     let mut bytes = Vec::new();
     let sink = |part: &[u8]| bytes.extend_from_slice(part);
-    write(view.unwrap(), &[limits; 2], &[], stars, closure, sink).unwrap();
+    write(
+        view.unwrap(),
+        &[limits; 2],
+        &[],
+        stars,
+        closure,
+        LagCost::UNKNOWN,
+        sink,
+    )
+    .unwrap();
     bytes
 }
 
@@ -1114,7 +1129,7 @@ fn bad_files_and_usage_are_told() {
         ),
         (
             "old.traj --to sim",
-            "old.traj: byte 4: expected version 2, found 1",
+            "old.traj: byte 4: expected version 2 to 3, found 1",
         ),
         ("changed.traj --to sim", "changed.traj: "),
         ("short.traj --to sim", "short.traj: byte "),

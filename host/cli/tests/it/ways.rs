@@ -12,7 +12,7 @@ use foldpath::stream::{
 };
 use foldpath_core::follower::{FollowerPosition, Reason, State};
 use foldpath_core::trajectory::TrajectoryView;
-use foldpath_core::trajectory_file::write;
+use foldpath_core::trajectory_file::{LagCost, write};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
 use foldpath_core::wire::message::ToHost;
@@ -435,7 +435,16 @@ fn made(folder: &Folder, name: &str, angles: [f32; 2]) {
     let stars = StarsView::new(&[], &[], 1).unwrap();
     let mut bytes = Vec::new();
     let sink = |part: &[u8]| bytes.extend_from_slice(part);
-    write(view.unwrap(), &limits, &hinges, stars, 0.0, sink).unwrap();
+    write(
+        view.unwrap(),
+        &limits,
+        &hinges,
+        stars,
+        0.0,
+        LagCost::UNKNOWN,
+        sink,
+    )
+    .unwrap();
     std::fs::write(folder.path(name), bytes).unwrap();
 }
 

@@ -41,6 +41,21 @@ impl Overshoot {
         worst
     }
 
+    /// Returns the largest speed of each group of a trajectory, radians per second; as exact as [`of`](Self::of).
+    #[must_use]
+    pub fn speeds(view: TrajectoryView<'_, f64>) -> Vec<f64> {
+        let mut speeds = vec![0.0_f64; view.groups()];
+        let times = (0..view.len()).filter_map(|knot| view.knot(knot).map(|knot| knot.time));
+        for (segment, (from, to)) in times.clone().zip(times.skip(1)).enumerate() {
+            for (group, speed) in speeds.iter_mut().enumerate() {
+                let curve = view.curve(segment, group);
+                let rate = curve.map_or(0.0, |curve| peaks(&curve)[0]);
+                *speed = speed.max(rate / (to - from));
+            }
+        }
+        speeds
+    }
+
     /// Returns the factor by which time has to be stretched to just keep the limits; below 1 it may shrink.
     #[must_use]
     pub fn stretch(&self) -> f64 {

@@ -49,6 +49,12 @@ impl Board {
         Self::run(machine, image, &arguments, nonce)
     }
 
+    /// Starts an emulator of `machine` as [`fast`](Self::fast) does, with four times as many instructions in a second: enough to
+    /// measure 1,104 hinges in each tick.
+    pub(crate) fn strong(machine: &str, image: &str, nonce: u64) -> Self {
+        Self::run(machine, image, &["-icount", "shift=4,sleep=off"], nonce)
+    }
+
     /// Starts an emulator of `machine` with these further `arguments`, and with this nonce at the address where the board
     /// expects its random number.
     fn run(machine: &str, name: &str, arguments: &[&str], nonce: u64) -> Self {

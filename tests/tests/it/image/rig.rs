@@ -1,5 +1,6 @@
 //! A host and a board whose time passes as fast as the emulator can make it. Everything that the board tells is kept.
 
+use std::collections::HashMap;
 use std::time::Instant;
 
 use foldpath_core::follower::{FollowerPosition, State};
@@ -44,6 +45,8 @@ pub(crate) struct Rig<'a> {
     pub(crate) report: Option<Report>,
     /// Telemetry of the present host, in order, without what is not yet complete.
     pub(crate) told: Vec<Told>,
+    /// Angle of each hinge that was measured, when it was told last, radians.
+    pub(crate) measured: HashMap<u32, f32>,
     /// Telemetry that is being received.
     coming: Option<Told>,
     start: Instant,
@@ -58,6 +61,7 @@ impl<'a> Rig<'a> {
             host: None,
             report: None,
             told: Vec::new(),
+            measured: HashMap::new(),
             coming: None,
             start: Instant::now(),
             ear: Deframer::default(),
@@ -99,6 +103,11 @@ impl<'a> Rig<'a> {
             if let Some(bytes) = self.ear.push(byte)
                 && let Some((_, message)) = frame::open::<ToHost<'_>>(bytes)
             {
+                if let ToHost::Measured { first, angles, .. } = message {
+                    let (angles, _) = angles.as_chunks();
+                    let angles = angles.iter().map(|bytes| f32::from_le_bytes(*bytes));
+                    self.measured.extend((u32::from(first)..).zip(angles));
+                }
                 hear(message, &mut self.report, &mut self.coming, &mut self.told);
             }
         }
