@@ -223,6 +223,7 @@ class Verdict:
 def check(
     motion: Union[Motion, Source],
     *,
+    timeout: float | None = None,
     bound: float = 0.01,
     bend: float = 0.0,
     contact: float | None = None,
@@ -232,6 +233,7 @@ def check(
 
     The options:
 
+    - ``timeout``: Stop after this time, seconds, counted from the start of the command [default: no limit]
     - ``bound``: Largest deformation, gap and closure residual that the path may have. Deformation is the change of an
       edge's length over that length. Gap is the distance between the positions that faces give one vertex, over the
       median edge. A note says so if rounding alone may exceed the bound, as for sheets that lie 1e11 edge lengths
