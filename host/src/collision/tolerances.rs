@@ -103,6 +103,8 @@ pub(super) const WAYS_AT_ONCE: usize = 1 << 12;
 
 /// Number of short steps of a pair in a row after which the planes through a side of each piece are tried.
 pub(super) const SIDES_AFTER: u32 = 8;
+/// Number of short steps of a pair in a row after which planes are tried though the pieces do not touch.
+pub(super) const PLANES_AFTER: u32 = 64;
 /// Number of short steps of a pair in a row after which later times are looked at for a crossing, and again after as many.
 pub(super) const LOOK_AHEAD_AFTER: u32 = 1 << 10;
 /// Number of queries between two readings of the clock.

@@ -27,6 +27,11 @@ fn product(a: &Quadratic, b: &Quadratic) -> [f64; 5] {
     ]
 }
 
+/// Returns the number of the corner behind another.
+fn next(corner: usize, count: usize) -> usize {
+    if corner + 1 < count { corner + 1 } else { 0 }
+}
+
 /// A corner of the moving piece.
 #[derive(Clone, Debug)]
 struct Corner {
@@ -83,13 +88,40 @@ impl<'a> SidePlanes<'a> {
             moving: other.corners.iter().map(corner).collect(),
             planes: Vec::new(),
         };
-        let steps: Vec<_> = all.moving.iter().map(Corner::at_rest).collect();
-        let sides = (0..all.fixed.len()).flat_map(|a| (0..steps.len()).map(move |b| [a, b]));
-        let planes = sides.flat_map(|sides| [(sides, 1.0), (sides, -1.0)]);
-        all.planes = planes
-            .filter(|plane| all.parts(plane, &steps, 0.0, allowed))
-            .collect();
+        let sides = (0..all.fixed.len()).flat_map(|a| (0..all.moving.len()).map(move |b| [a, b]));
+        let planes = sides.flat_map(|sides| all.parting(sides, allowed));
+        all.planes = planes.collect();
         all
+    }
+
+    /// Returns the planes through a side of each piece that have the pieces on their two sides now: two, if both lie in one.
+    fn parting(
+        &self,
+        [a, b]: [usize; 2],
+        allowed: Allowed,
+    ) -> impl Iterator<Item = ([usize; 2], f64)> + use<> {
+        let [from, to] = [a, next(a, self.fixed.len())].map(|k| self.fixed[k]);
+        let ends = [b, next(b, self.moving.len())].map(|k| self.moving[k].at);
+        let normal = (to - from).cross(&(ends[1] - ends[0])).normalize();
+        let depth = allowed.across_both(
+            self.normals
+                .map(|of_piece| of_piece.cross(&normal).norm())
+                .iter()
+                .sum(),
+        );
+        let range = |[low, high]: [f64; 2], height: f64| [low.min(height), high.max(height)];
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let height = |at: &Vector3<f64>| normal.dot(&(at - from));
+        let fixed = self.fixed.iter().map(height).fold(none, range);
+        let moving = self
+            .moving
+            .iter()
+            .map(|corner| height(&corner.at))
+            .fold(none, range);
+        let apart = [(1.0, moving[0] - fixed[1]), (-1.0, fixed[0] - moving[1])];
+        // False for the planes of parallel sides, which have no normal.
+        let parting = apart.into_iter().filter(move |(_, apart)| *apart >= -depth);
+        parting.map(move |(sign, _)| ([a, b], sign))
     }
 
     /// Returns `true` if one of the planes keeps the pieces apart, up to contact, while the groups make these changes.
@@ -117,7 +149,6 @@ impl<'a> SidePlanes<'a> {
         turn: f64,
         allowed: Allowed,
     ) -> bool {
-        let next = |k: usize, count: usize| if k + 1 < count { k + 1 } else { 0 };
         let from = self.fixed[a];
         let side = self.fixed[next(a, self.fixed.len())] - from;
         let ends = [b, next(b, steps.len())].map(|k| steps[k].at);
@@ -157,13 +188,6 @@ impl<'a> SidePlanes<'a> {
 }
 
 impl Corner {
-    fn at_rest(&self) -> Step {
-        Step {
-            at: [self.at; 3],
-            error: 0.0,
-        }
-    }
-
     /// Follows the corner over a step, given the change of each turn. With ω the direction of a turn times its change, the
     /// outer before the inner, the position changes by the sum of the ω × r, by the sum of the ω × (ω' × r) of two turns,
     /// half as much for one and the same, and by no more than a sixth of the product of three turns times the distance

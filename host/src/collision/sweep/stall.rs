@@ -10,7 +10,7 @@ use crate::collision::tolerances::{LAST_FREE_TICKS, LOOK_AHEAD_AFTER};
 /// A run of short steps of a pair: of steps that ended before the next tabulated time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stall {
-    /// Number of short steps in a row.
+    /// Number of short steps in a row, and half of those in the run before.
     pub(super) count: u32,
     /// Time at which the pair was found to cross, and before which it is not queried any more.
     pub(super) crosses: Option<Tick>,
@@ -26,7 +26,7 @@ impl Sweep<'_> {
         // At a torn side, the angle of the crease may leave pieces free whose places do not.
         let is_followed = matches!(pair.kind, Kind::Pieces | Kind::Meeting | Kind::Vertex(_));
         if later >= next || !is_followed {
-            pair.stall = Stall::default();
+            pair.stall.count /= 2;
             return later;
         }
         pair.stall.count += 1;

@@ -7,7 +7,9 @@ use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
 use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
 use crate::collision::narrow::side_planes::SidePlanes;
-use crate::collision::tolerances::{KEPT_RATIO, MAX_TEAR_RATIO, SIDES_AFTER, TOUCHING_RATIO};
+use crate::collision::tolerances::{
+    KEPT_RATIO, MAX_TEAR_RATIO, PLANES_AFTER, SIDES_AFTER, TOUCHING_RATIO,
+};
 
 /// How two pieces touch.
 #[derive(Clone, Copy, Debug)]
@@ -140,13 +142,12 @@ impl Sweep<'_> {
             return outcome;
         };
         let pair = &self.queue[index];
-        let stands_still = pair.stall.count >= SIDES_AFTER;
+        let stalled = pair.stall.count;
         // Along a lattice, pieces may be elsewhere by the deviation, which no plane may use up.
         let (deviation, kept) = (self.deviation, KEPT_RATIO * apart);
         let touches = deviation <= 0.0 && apart <= TOUCHING_RATIO * allowed.largest();
-        let keeps = stands_still && kept > deviation && !matches!(pair.kind, Kind::Vertex(_));
-        let is_followed = touches || keeps;
-        if until >= next || !is_followed {
+        let is_apart = kept > deviation && !matches!(pair.kind, Kind::Vertex(_));
+        if until >= next || !(touches || is_apart && stalled >= PLANES_AFTER) {
             return outcome;
         }
         // The smallest distance is known up to a part of it.
@@ -171,7 +172,7 @@ impl Sweep<'_> {
             planes.iter().any(|plane| plane.holds(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
-        if reached >= next || above.is_some() || !stands_still {
+        if reached >= next || above.is_some() || stalled < SIDES_AFTER {
             return QueryOutcome::Until(reached);
         }
         let planes = both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
