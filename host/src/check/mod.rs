@@ -51,7 +51,7 @@ pub struct CheckOptions {
     pub samples: usize,
     /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
-    /// Time after which judging stops; `None` for no limit. What was proved by then is told.
+    /// Time after which judging stops; `None` for no limit. The verdict tells what was proved by then.
     pub timeout: Option<Duration>,
 }
 

@@ -1,7 +1,7 @@
 //! Bounds how long the plane through a side of each of two pieces in contact keeps the pieces apart.
 //!
-//! Where two sides cross in a point and slide along each other, no plane that is fixed to a piece separates the pieces
-//! for long: the one that does contains both sides, and turns with them. Seen from one piece, the corners of the other
+//! Two sides may cross in a point and slide along each other. Then no plane that is fixed to a piece separates the pieces
+//! for long. The plane that contains both sides does, and turns with them. Seen from one piece, the corners of the other
 //! move along parabolas, up to an error of third order. Then the normal of the plane, which is the product of the
 //! directions of the two sides, is a polynomial of degree 2 in time, and the height of a corner over the plane one of
 //! degree 4, which is never below the least of its Bernstein coefficients.
@@ -198,7 +198,7 @@ impl Corner {
         let mut before: f64 = changes.iter().map(|change| change.by.abs()).sum();
         for ((turn, change), rate) in turns.iter().zip(changes).zip(&self.rates).rev() {
             let size = change.by.abs();
-            // What is within turns as one, so that it is moved by the sum of what each turn alone moves it.
+            // Turns move points rigidly, so that a point moves by at most the sum of the ways of all turns.
             let reach = rate.norm() + moved;
             moved += (size + change.off) * rate.norm();
             let rate = rate * change.by;
@@ -274,9 +274,9 @@ mod tests {
             })
     }
 
-    /// Pieces whose sides cross in a point, turned about the creases of random chains along random curves, are apart, once
-    /// they are smaller by the depth of contact, at many times of a step over which their planes hold. Where one piece slides along the other, the planes
-    /// hold for steps that are long for the depth of contact.
+    /// Pieces whose sides cross in a point turn about the creases of random chains along random curves. Once they are
+    /// smaller by the depth of contact, they are apart at many times of a step over which their planes hold. The planes of
+    /// pieces that slide along each other hold for long steps.
     #[test]
     fn pieces_do_not_cross_while_a_plane_through_their_sides_holds() {
         let mut random = Pcg64::new(5, 1);

@@ -1,5 +1,5 @@
-//! What a sweep does about a pair that stands still: one that is queried again and again at hardly later times. Such pieces
-//! often pass into each other so slowly that contact turns into a crossing only much later.
+//! Looks ahead for pairs that stand still: that are queried again and again at hardly later times. Such pieces often pass
+//! into each other so slowly that contact turns into a crossing only much later.
 
 use super::Sweep;
 use super::motion::Tick;

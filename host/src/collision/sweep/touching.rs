@@ -11,7 +11,7 @@ use crate::collision::tolerances::{
     KEPT_RATIO, MAX_TEAR_RATIO, PLANES_AFTER, SIDES_AFTER, TOUCHING_RATIO,
 };
 
-/// How two pieces touch.
+/// Kind of contact between two pieces.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Touch {
     /// They cross to this depth.
