@@ -87,9 +87,10 @@ impl<T: Scalar> LagWatch<T> {
         if self.any { -T::one() } else { self.slows }
     }
 
-    /// Notes the distance of a hinge from its command, radians; returns what [`unremarkable`](Self::unremarkable) does then. The hinge lags if that is more than `slows`. If it is no number, or
-    /// [`Scalar::MAX`], the hinge's sensor has failed. The hinge is remembered in its own place, or else in that of the
-    /// nearest hinge, if it is farther. A hinge that does not lag is forgotten.
+    /// Notes the distance of a hinge from its command, radians; returns what [`unremarkable`](Self::unremarkable) does then.
+    /// The hinge lags if the distance is more than `slows`. If the distance is no number, or [`Scalar::MAX`], the hinge's
+    /// sensor has failed. The hinge is remembered in its own place, or else in that of the nearest hinge, if it is farther. A
+    /// hinge that does not lag is forgotten.
     #[inline(never)]
     pub(super) fn note(&mut self, hinge: u32, distance: T) -> T {
         let is_measured = distance < T::MAX;

@@ -44,12 +44,12 @@ pub(crate) fn run(args: &Check, quiet: bool) -> Answer {
         json.max_closure,
         json.crossings.len()
     );
+    let known = |bound: Option<f64>| bound.map_or("unknown".into(), |it| format!("{it:.1e}"));
+    let closure = Some(verdict.closure_bound()).filter(|bound| bound.is_finite());
     text += &format!(
         "  certified for the whole motion: closure {}, deformation {} of {}\n",
-        Some(verdict.closure_bound())
-            .filter(|bound| bound.is_finite())
-            .map_or("unknown".into(), |bound| format!("{bound:.1e}")),
-        (json.certified_deformation).map_or("unknown".into(), |most| format!("{most:.1e}")),
+        known(closure),
+        known(json.certified_deformation),
         json.certified_of
     );
     if json.max_bend > 0.0 {

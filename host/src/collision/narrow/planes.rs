@@ -20,6 +20,13 @@ pub(in crate::collision) struct Turn {
     pub(in crate::collision) about: Vector3<f64>,
 }
 
+impl Turn {
+    /// Returns the change of the position of a point beyond the crease, per radian.
+    pub(super) fn rate(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.about.cross(&(point - self.point))
+    }
+}
+
 /// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`), radians.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collision) struct Change {
@@ -94,10 +101,7 @@ fn over_plane(allowed: Allowed, lean: Option<Lean>, turn: f64) -> f64 {
 }
 
 fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[Turn]) -> Corner {
-    let rates = turns
-        .iter()
-        .map(|turn| turn.about.cross(&(at - turn.point)));
-    let rates: Vec<_> = rates.collect();
+    let rates: Vec<_> = turns.iter().map(|turn| turn.rate(at)).collect();
     Corner {
         height: normal.dot(&(at - point)),
         gradients: rates.iter().map(|rate| normal.dot(rate)).collect(),

@@ -72,14 +72,9 @@ impl<'a> SidePlanes<'a> {
         allowed: Allowed,
     ) -> Self {
         let origin = piece.corners[0];
-        let corner = |at: &Vector3<f64>| {
-            let rates = turns
-                .iter()
-                .map(|turn| turn.about.cross(&(at - turn.point)));
-            Corner {
-                at: at - origin,
-                rates: rates.collect(),
-            }
+        let corner = |at: &Vector3<f64>| Corner {
+            at: at - origin,
+            rates: turns.iter().map(|turn| turn.rate(at)).collect(),
         };
         let mut all = Self {
             turns,

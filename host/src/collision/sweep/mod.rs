@@ -49,6 +49,7 @@ use self::motion::{Motion, Tick};
 use self::queue::{Kind, Queue};
 use self::touching::Touch;
 use super::hierarchy::Hierarchy;
+use super::narrow::planes::Change;
 use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};
 use super::pieces::{Contact, Pieces};
 use super::placed_pieces::PlacedPieces;
@@ -100,6 +101,8 @@ pub struct Sweep<'a> {
     turn: f64,
     /// Upper bound of the distance between any two points of the sheet; 0 along a lattice.
     length: f64,
+    /// Room for the change of each group over a step.
+    changes: Vec<Change>,
     queries: u64,
 }
 
@@ -155,6 +158,7 @@ impl<'a> Sweep<'a> {
                 0.0
             },
             length,
+            changes: vec![Change { by: 0.0, off: 0.0 }; groups],
             queries: 0,
             options,
         }

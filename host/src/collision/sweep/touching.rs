@@ -158,7 +158,11 @@ impl Sweep<'_> {
         };
         let above = self.queue[index].above;
         let turns = self.turns_between(index, allowed);
+        let mut groups: Vec<u32> = turns[0].iter().map(|turn| turn.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
         let [a, b] = self.queue[index].nodes;
+        let mut changes = core::mem::take(&mut self.changes);
         let both = [([a, b], &turns[0]), ([b, a], &turns[1])];
         let placed = self.sheet.placed();
         let piece = |node: u32| placed.piece(node);
@@ -168,35 +172,35 @@ impl Sweep<'_> {
         let planes: Vec<Parted> = planes
             .flat_map(|(([a, b], turns), above)| parted(&piece(*a), &piece(*b), turns, above, room))
             .collect();
-        let reached = self.held(&turns[0], [until, next], |changes| {
+        let mut reached = self.held(&groups, [until, next], &mut changes, |changes| {
             planes.iter().any(|plane| plane.holds(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
-        if reached >= next || above.is_some() || stalled < SIDES_AFTER {
-            return QueryOutcome::Until(reached);
+        if reached < next && above.is_none() && stalled >= SIDES_AFTER {
+            let planes =
+                both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
+            reached = self.held(&groups, [reached, next], &mut changes, |changes| {
+                planes.iter().any(|planes| planes.hold(changes, room))
+            });
         }
-        let planes = both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
-        QueryOutcome::Until(self.held(&turns[0], [reached, next], |changes| {
-            planes.iter().any(|planes| planes.hold(changes, room))
-        }))
+        self.changes = changes;
+        QueryOutcome::Until(reached)
     }
 
     /// Returns the last of some times between two, at growing distances from the first, up to which the changes of the
-    /// groups from now on, by which pieces turn relative to each other, are as they have to be.
+    /// groups from now on, by which pieces turn relative to each other, are as they have to be. `changes` has room for all
+    /// groups.
     fn held(
         &self,
-        turns: &[Turn],
+        groups: &[u32],
         [mut reached, next]: [Tick; 2],
+        changes: &mut [Change],
         holds: impl Fn(&[Change]) -> bool,
     ) -> Tick {
-        let mut groups: Vec<u32> = turns.iter().map(|turn| turn.group).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        let mut changes = vec![Change { by: 0.0, off: 0.0 }; self.groups];
         let (motion, time) = (&self.sheet.motion, self.sheet.time);
         for to in motion.halves(reached, next) {
-            motion.changes(&groups, time, to, &mut changes);
-            if !holds(&changes) {
+            motion.changes(groups, time, to, changes);
+            if !holds(changes) {
                 break;
             }
             reached = to;
