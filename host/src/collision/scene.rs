@@ -79,6 +79,16 @@ impl CollisionScene {
     /// [`contact_tolerance`](super::contact_tolerance), of which at most a thousandth of the smaller of two faces counts.
     /// Cost: about O(faces log faces) while few bounding boxes overlap.
     pub fn deepest_crossing(&mut self, map: &FoldingMap, contact: f64) -> Option<Crossing> {
+        self.deepest_crossing_of(map, contact, |_| true)
+    }
+
+    /// Returns the deepest crossing of those pairs of faces for which `may_cross` is true.
+    pub(crate) fn deepest_crossing_of(
+        &mut self,
+        map: &FoldingMap,
+        contact: f64,
+        may_cross: impl Fn([FaceId; 2]) -> bool,
+    ) -> Option<Crossing> {
         self.place(map);
         let mut deepest: Option<Crossing> = None;
         let contact = Contact::new(self.median_edge, contact);
@@ -106,13 +116,17 @@ impl CollisionScene {
         for (pair, side) in &self.sides {
             if side.may_cross(&placed, contact.of(pieces, *pair, 0.0).within)
                 && let Some(faces) = pieces.comparable(pair[0], pair[1])
+                && may_cross(faces)
             {
                 judge(faces, *pair);
             }
         }
         let mut tested = 0;
         let judge = &mut |a: u32, b: u32| {
-            if let Some(faces) = pieces.comparable(a, b).filter(|_| !pieces.joined(a, b)) {
+            if let Some(faces) = pieces.comparable(a, b)
+                && may_cross(faces)
+                && !pieces.joined(a, b)
+            {
                 tested += 1;
                 judge(faces, [a, b]);
             }

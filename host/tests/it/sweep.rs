@@ -856,3 +856,73 @@ fn sides_that_slide_along_each_other_take_few_queries() {
         }
     }
 }
+
+/// Returns a strip of unit squares.
+fn squares(count: usize) -> (CreasePattern, Vec<Membership>) {
+    let places: Vec<f64> = (0..=count).map(|k| k as f64).collect();
+    strip(&places, &vec![0.0; count + 1])
+}
+
+/// Returns a motion of a strip's creases from flat: in each segment one crease turns to an angle (degrees), the others rest.
+fn one_by_one(creases: usize, turns: &[(usize, f64)]) -> Motion {
+    let mut at = vec![0.0; creases];
+    let segment = |&(crease, to): &(usize, f64)| {
+        let from = core::mem::replace(&mut at[crease], to);
+        let mut curves: Vec<_> = at.iter().map(|&angle| line(angle, angle)).collect();
+        curves[crease] = line(from, to);
+        curves
+    };
+    turns.iter().map(segment).collect()
+}
+
+/// The end square is folded over, again and again, to one side or the other: most of the sheet rests all the time, and what
+/// rests is not queried.
+#[test]
+fn rolls_take_queries_by_the_square_of_their_length() {
+    let mut random = Pcg64::new(5, 5);
+    let mut tested = |count: usize| {
+        let sheet = squares(count);
+        let side = |crease| {
+            let up = random.next_u32() % 2 == 0;
+            (crease, if up { 180.0 } else { -180.0 })
+        };
+        let motion = one_by_one(count - 1, &(0..count - 1).map(side).collect::<Vec<_>>());
+        let mut sweep = Sweep::new(&sheet.0, &sheet.1, SweepOptions::default(), None);
+        let verdict = sweep.sweep(&motion);
+        assert!(
+            matches!(verdict, SweepVerdict::Free(_)),
+            "{count}: {verdict:?}"
+        );
+        sweep.counts().tested
+    };
+    let counts = [16, 32, 64].map(&mut tested);
+    println!("{counts:?}");
+    assert!(
+        counts[1] < 5 * counts[0] && counts[2] < 5 * counts[1],
+        "{counts:?}"
+    );
+}
+
+/// A square comes to lie on another and rests there while other creases turn for any number of segments. It may leave on the
+/// side that it came from, and not through the other.
+#[test]
+fn layers_that_rested_leave_on_the_side_they_came_from() {
+    for side in [180.0, -180.0] {
+        for rests in [0, 1, 2, 7] {
+            for (leaves, crosses) in [(-side / 2.0, false), (side / 2.0, true)] {
+                // Squares 0 and 1 are folded onto 3 and 2; others turn back and forth; then square 0 turns on 1.
+                let others = (0..rests).map(|k| (4 + k % 2, if k % 4 < 2 { 40.0 } else { 0.0 }));
+                let turns = [(1, side)].into_iter().chain(others).chain([(0, leaves)]);
+                let motion = one_by_one(7, &turns.collect::<Vec<_>>());
+                let verdict = sweep(&squares(8), &motion);
+                let case = format!("{side} {rests} {leaves}: {verdict:?}");
+                if crosses {
+                    let (faces, _) = crossing_at(verdict);
+                    assert_eq!(faces, [FaceId(0), FaceId(3)], "{case}");
+                } else {
+                    assert!(matches!(verdict, SweepVerdict::Free(_)), "{case}");
+                }
+            }
+        }
+    }
+}

@@ -4,7 +4,10 @@
 //! dangerous. Therefore a plane is taken that separates the pieces now, either of a side or of a piece, fixed
 //! to one piece, and the heights of the other piece's corners over it are followed to second order. With δ the
 //! turns of the creases between, in their order from the fixed piece, the height changes by the sum of gradient
-//! times δ, with an error of no more than ½ Σᵢⱼ |δᵢ δⱼ| times the distance from the farther of creases i and j.
+//! times δ, with an error of no more than ½ Σᵢⱼ |δᵢ δⱼ| times the distance from the farther of creases i and j. If one
+//! crease alone turns, the height is followed exactly, as that of a point on a circle.
+
+use core::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
@@ -41,6 +44,8 @@ struct Corner {
     /// For each turn: change of height per radian (`gradients`), and distance from the crease (`reaches`).
     gradients: Vec<f64>,
     reaches: Vec<f64>,
+    /// Height of the corner over the line of the first crease.
+    over_crease: f64,
 }
 
 /// The corners of a piece over a plane that separates it from another.
@@ -106,6 +111,28 @@ fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[T
         height: normal.dot(&(at - point)),
         gradients: rates.iter().map(|rate| normal.dot(rate)).collect(),
         reaches: rates.iter().map(Vector3::norm).collect(),
+        over_crease: turns.first().map_or(0.0, |turn| {
+            let away = at - turn.point;
+            normal.dot(&(away - turn.about * turn.about.dot(&away)))
+        }),
+    }
+}
+
+impl Corner {
+    /// Returns the smallest height while one crease alone turns. After a turn by δ, the height is that of the centre of the
+    /// circle on which the corner moves, plus m cos δ + g sin δ, with m the height over the crease and g the gradient.
+    fn lowest_on_circle(&self, Change { by, off }: Change) -> f64 {
+        let (m, g) = (self.over_crease, self.gradients[0]);
+        let [least, most] = [by.min(0.0) - off, by.max(0.0) + off];
+        let over_centre = |turn: f64| m * turn.cos() + g * turn.sin();
+        let lowest_at = f64::atan2(-g, -m);
+        let full_turns = ((least - lowest_at) / TAU).ceil();
+        let lowest = if lowest_at + full_turns * TAU <= most {
+            -m.hypot(g)
+        } else {
+            over_centre(least).min(over_centre(most))
+        };
+        self.height - m + lowest
     }
 }
 
@@ -122,6 +149,9 @@ impl Parted {
 
     fn lowest(&self, corner: &Corner, changes: &[Change]) -> f64 {
         let change = |turn: usize| changes[self.turns[turn] as usize];
+        if self.turns.len() == 1 {
+            return corner.lowest_on_circle(change(0));
+        }
         let (mut along, mut off, mut curved) = (0.0, 0.0, 0.0);
         // From the moving piece inwards: `moved` bounds the motion of the corner due to the creases passed so
         // far, and `before` sums up the turns of the creases not yet passed.

@@ -4,7 +4,6 @@ use foldpath_core::Membership;
 
 use super::interval_broad_phase::IntervalBroadPhase;
 use super::{Answer, Batch, Now, PairCounts, PairSource};
-use crate::collision::hierarchy::Hierarchy;
 use crate::collision::pieces::Pieces;
 use crate::collision::sweep::motion::{Motion, Tick};
 use crate::collision::sweep::{QueryOutcome, SweepOptions};
@@ -25,12 +24,11 @@ impl SheetPairs {
     pub(in crate::collision) fn new(
         pattern: &CreasePattern,
         (memberships, groups): (&[Membership], usize),
-        hierarchy: &Hierarchy,
         options: &SweepOptions,
     ) -> Self {
         // Without these skips all pairs are queried one by one.
         let skips = options.skip_motion && options.skip_bounds && options.skip_edges;
-        let broad_phase = || IntervalBroadPhase::new(pattern, hierarchy, memberships, groups);
+        let broad_phase = || IntervalBroadPhase::new(pattern, memberships, groups);
         Self {
             folding: LazyFolding::new(pattern.tree(), memberships),
             broad_phase: skips.then(broad_phase),

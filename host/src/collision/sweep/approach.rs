@@ -3,7 +3,7 @@
 
 use foldpath_core::Membership;
 
-use super::chains::{Chain, Chains};
+use super::chains::{Chain, Chains, Link};
 use super::queue::{Kind, Pair};
 use super::ways::Ways;
 use crate::collision::hierarchy::{Hierarchy, Sphere};
@@ -167,7 +167,7 @@ impl<'a> Approach<'a> {
         chain
     }
 
-    /// Sums up the levers of a chain of creases. The lever of a crease is its distance from one end of the chain (0 or
+    /// Sums up the levers of the creases of a chain that turn from now on. The lever of a crease is its distance from one end of the chain (0 or
     /// 1), as `reach` returns it: from the first end for creases up to some crease, from the second end for the others.
     fn gather(
         &mut self,
@@ -176,11 +176,14 @@ impl<'a> Approach<'a> {
         reach: impl Fn(usize, &Axis) -> f64,
     ) {
         self.levers.clear();
-        for link in self.chains.pairs(chain) {
+        let PlacedPieces { motion, time, .. } = &*sheet;
+        let turns = |link: &&Link| !motion.rests_from(link.group as usize, *time);
+        let pairs: Vec<&Link> = self.chains.pairs(chain).iter().filter(turns).collect();
+        let singles: Vec<&Link> = self.chains.singles(chain).iter().filter(turns).collect();
+        for link in pairs {
             let width = sheet.width(link) + chain.tear;
             self.levers.add(link.group, width);
         }
-        let singles = self.chains.singles(chain);
         let Some(last) = singles.len().checked_sub(1) else {
             return;
         };
@@ -188,7 +191,7 @@ impl<'a> Approach<'a> {
         let mut lever =
             |side: usize, k: usize| reach(side, &sheet.axis(singles[k].creases[0])) + chain.tear;
         let (mut ends, mut levers) = ([0, last], [lever(0, 0), lever(1, last)]);
-        for _ in singles {
+        for _ in 0..singles.len() {
             let side = usize::from(levers[1] < levers[0]);
             self.levers.add(singles[ends[side]].group, levers[side]);
             if ends[0] == ends[1] {

@@ -131,7 +131,14 @@ impl Sweep<'_> {
     fn renew(&mut self, index: u32, [_, time, end]: [Tick; 3]) {
         let pair = &mut self.queue[index];
         if pair.end < time && pair.stall.crosses.is_none() {
-            pair.above = None;
+            // The broad phase has proved that they are apart, or they have been at rest relative to each other.
+            let chain = self.approach.along_tree(&self.sheet, pair);
+            let links = self.approach.chains.links(&chain).iter();
+            let mut groups = links.map(|link| link.group as usize);
+            let times = [pair.end, time];
+            if !groups.all(|group| self.sheet.motion.rests(group, times)) {
+                pair.above = None;
+            }
         }
         pair.end = end;
         self.queue.put(index, time);

@@ -134,7 +134,7 @@ impl<'a> Sweep<'a> {
         let hinges = (memberships, groups);
         let source: Box<dyn PairSource + 'a> = match lattice {
             Some(lattice) => Box::new(LatticePairs::new(pattern, hinges, lattice, deviation)),
-            None => Box::new(SheetPairs::new(pattern, hinges, &hierarchy, &options)),
+            None => Box::new(SheetPairs::new(pattern, hinges, &options)),
         };
         let closure = (!along_lattice).then_some(options.closure);
         let length = closure.map_or(0.0, |_| 2.0 * pattern.tree().reach(pattern));

@@ -31,6 +31,8 @@ pub(in crate::collision) struct Motion {
     groups: usize,
     /// For each segment and group its curve, with its variation.
     variations: Vec<Variation>,
+    /// For each segment and group, and after the last segment: number of segments before in which the group turns at all.
+    turned_in: Vec<u32>,
     /// Ticks from one tabulated time to the next.
     stride: Tick,
     /// For each tabulated time and group the variation since the beginning, radians.
@@ -57,12 +59,19 @@ impl Motion {
             segments: segments.len(),
             groups,
             variations: all.collect(),
+            turned_in: vec![0; groups],
             stride: (1 << TICKS) / u64::from(per_segment),
             table: vec![0.0; groups],
             clock: vec![0.0],
         };
         for segment in 0..segments.len() {
             motion.tabulate(segment, per_segment);
+            for entry in segment * groups..(segment + 1) * groups {
+                let turns = !motion.variations[entry].rests();
+                motion
+                    .turned_in
+                    .push(motion.turned_in[entry] + u32::from(turns));
+            }
         }
         motion
     }
@@ -137,6 +146,20 @@ impl Motion {
                 [low.min(*d), high.max(*d)]
             });
         high - low
+    }
+
+    /// Returns `true` if a group keeps its angle, without rounding, in all segments that have a part between two times.
+    pub(in crate::collision) fn rests(&self, group: usize, [from, to]: [Tick; 2]) -> bool {
+        let turned_before = |segment: Tick| {
+            let segment = usize::try_from(segment).unwrap_or(usize::MAX);
+            self.turned_in[segment.min(self.segments) * self.groups + group]
+        };
+        turned_before(from >> TICKS) == turned_before(to.div_ceil(SEGMENT))
+    }
+
+    /// Returns `true` if a group keeps its angle, without rounding, from the segment of a time to the end of the motion.
+    pub(super) fn rests_from(&self, group: usize, time: Tick) -> bool {
+        self.rests(group, [time, self.end()])
     }
 
     fn variation(&self, segment: usize, crease: Membership) -> &Variation {

@@ -208,16 +208,18 @@ impl Sweep<'_> {
         reached
     }
 
-    /// Returns the creases between the two pieces of a pair in the order in which they turn the second, seen from the
-    /// first, and those that turn the first, seen from the second.
+    /// Returns the creases between the two pieces of a pair that turn in the current segment, in the order in which they
+    /// turn the second, seen from the first, and those that turn the first, seen from the second.
     fn turns_between(&mut self, index: u32, allowed: Allowed) -> [Vec<Turn>; 2] {
         let pair = &mut self.queue[index];
         let chain = self
             .approach
             .chain_within(&self.sheet, pair, allowed.largest());
         let links = self.approach.chains.links(&chain);
+        let (motion, time) = (&self.sheet.motion, self.sheet.time);
         let mut places: Vec<_> = links
             .iter()
+            .filter(|link| !motion.rests(link.group as usize, [time, time + 1]))
             .flat_map(|link| {
                 let both = link.creases.into_iter().zip(link.places);
                 both.map(|(crease, (place, along))| (place, along, crease, link.group))

@@ -55,6 +55,18 @@ impl Variation {
         }
     }
 
+    /// Returns `true` if the coefficients of the curve are those of one angle.
+    #[allow(clippy::float_cmp, reason = "one angle, without rounding")]
+    pub(super) fn rests(&self) -> bool {
+        match &self.curve {
+            Curve::Angle(angle) => angle.iter().all(|b| *b == angle[0]),
+            Curve::HalfAngle { cos, sin } => {
+                let mut pairs = cos.iter().zip(sin);
+                pairs.all(|(c, n)| c * sin[0] == n * cos[0] && c * cos[0] + n * sin[0] > 0.0)
+            }
+        }
+    }
+
     /// Returns the first place found at which the angle exceeds half a turn by more than `slack` radians.
     pub(super) fn overturned(&self, slack: f64) -> Option<f64> {
         self.overturned_in(&Rates::of(&self.curve), [0.0, 1.0], slack, MAX_BISECTIONS)

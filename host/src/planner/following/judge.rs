@@ -6,7 +6,7 @@ use super::reduction::Reduction;
 use crate::collision::{CollisionScene, Crossing, SweepCounts};
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::Knot;
-use crate::pattern::{CreaseId, CreasePattern};
+use crate::pattern::{CreaseId, CreasePattern, FaceId};
 use crate::planner::PlanOptions;
 use crate::planner::problem::PlanningProblem;
 use crate::symmetry::essential_pattern;
@@ -63,6 +63,20 @@ impl<'a> Judge<'a> {
     pub(crate) fn crossing_at(&mut self, angles: &[f64]) -> Option<Crossing> {
         self.place(angles);
         self.crossing()
+    }
+
+    /// Returns the deepest crossing at these fold angles of the creases (radians), if crossings are looked for. Faces of one
+    /// body, given for each face, are not compared.
+    pub(crate) fn crossing_of_bodies(
+        &mut self,
+        creases: &[f64],
+        bodies: &[FaceId],
+    ) -> Option<Crossing> {
+        self.place(&self.reduction.groups.reduce_all(creases));
+        let scene = self.scene.as_mut()?;
+        scene.deepest_crossing_of(&self.map, self.contact, |[a, b]| {
+            bodies[a.index()] != bodies[b.index()]
+        })
     }
 
     /// Folds the sheet by these group angles.

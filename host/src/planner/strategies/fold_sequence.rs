@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use fixedbitset::FixedBitSet;
 
+use super::phase_samples::{PhaseSamples, turns_freely};
 use super::simple_folds::simple_folds;
 use super::stops::{
     StopSearch, angles, between, plan_via, search_stops, set, stops_of, turned_creases, union,
 };
 use crate::folding::FoldingMap;
+use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
 use crate::planner::following::mobility::independent_parts;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -23,16 +25,25 @@ use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of creases of a sheet whose folds are put in sequence.
 const MAX_CREASES: usize = 200;
+/// The same for a sheet whose hinges turn freely.
+const MAX_FREE_CREASES: usize = 1000;
 /// Largest number of sets of folded creases that are judged.
 const MAX_SETS: usize = 2000;
 /// Largest number of steps in the search for sequences.
 const MAX_STEPS: usize = 100_000;
+/// Largest number of faces that are placed for samples of what may turn next.
+const MAX_SAMPLED_FACES: usize = 2_000_000;
 /// Largest number of configurations of the path at which creases that move each other are found.
 const MAX_CONFIGURATIONS: usize = 16;
 
 /// Returns `true` if a sheet has few enough creases for folds in sequence to be looked for.
 pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
-    problem.pattern.creases().len() <= MAX_CREASES
+    let most = if turns_freely(problem.pattern) {
+        MAX_FREE_CREASES
+    } else {
+        MAX_CREASES
+    };
+    problem.pattern.creases().len() <= most
 }
 
 /// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads to
@@ -50,8 +61,15 @@ pub(crate) fn fold_in_sequence(
     let (pattern, options) = (problem.pattern, problem.options);
     let all = turned_creases(&goal);
     let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
+    let is_free = turns_freely(pattern);
     let mut orders = Orders {
         problem,
+        samples: is_free.then(|| PhaseSamples::new(problem, &reduction, &goal, MAX_SAMPLED_FACES)),
+        beyond: if is_free {
+            faces_beyond(pattern)
+        } else {
+            Vec::new()
+        },
         judge: Judge::new(problem, &reduction, options.collision),
         in_the_way: vec![0; goal.len()],
         parts: parts(problem, route, &goal).unwrap_or_default(),
@@ -68,48 +86,88 @@ pub(crate) fn fold_in_sequence(
     Some(with_fewer_stops(&mut orders, plan))
 }
 
+/// Phases of a motion, each with the sets of creases that fold at once in it.
+type Phases = Vec<Vec<FixedBitSet>>;
+
 /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
-/// folded at once if no faces cross then.
+/// folded at once if no faces cross then. Where hinges turn freely, samples say so first.
 fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan) -> Plan {
     let mut effort = Effort::default();
     let order = core::mem::take(&mut orders.order).into_iter();
-    let mut phases: Vec<Vec<FixedBitSet>> = order.map(|next| vec![next]).collect();
-    let plan_of = |orders: &Orders<'_>, phases: &[Vec<_>], bound_fraction| {
+    let mut phases: Phases = order.map(|next| vec![next]).collect();
+    let plan_of = |orders: &Orders<'_>, phases: &Phases, bound_fraction| {
         let phases = phases.iter().map(|once| union(&orders.goal, once));
         let stops = stops_of(&orders.goal, &phases.collect::<Vec<_>>());
         plan_via(orders.problem, &stops, bound_fraction)
     };
+    let mut is_planned = |orders: &mut Orders<'_>, phases: &Phases, bound_fraction| {
+        let mut other = plan_of(orders, phases, bound_fraction);
+        let is_planned = other.outcome == Outcome::Planned;
+        if is_planned {
+            core::mem::swap(&mut plan, &mut other);
+        }
+        effort += other.effort;
+        is_planned
+    };
+    let sampled = orders.samples.is_some();
+    let fewest = sampled.then(|| merged(orders, phases.clone(), |_, _| true));
+    match fewest {
+        Some(fewest) if is_planned(orders, &fewest, FIRST_BOUND_FRACTION) => phases = fewest,
+        _ => {
+            phases = merged(orders, phases, |orders, fewer| {
+                is_planned(orders, fewer, LEAST_BOUND_FRACTION)
+            });
+            is_planned(orders, &phases, FIRST_BOUND_FRACTION);
+        }
+    }
+    plan.effort += effort;
+    plan.notes.push(Note::Phases(phases.len()));
+    plan
+}
+
+/// Merges phases that follow each other, from long runs to short ones, where samples are free and `is_good` is true of the
+/// phases that are left.
+fn merged(
+    orders: &mut Orders<'_>,
+    mut phases: Phases,
+    mut is_good: impl FnMut(&mut Orders<'_>, &Phases) -> bool,
+) -> Phases {
     let mut run = phases.len().div_ceil(2);
-    while run > 1 {
+    while run > 1 && !orders.is_spent() {
         let mut from = 0;
         while from + 1 < phases.len() && phases.len() > run {
             let to = phases.len().min(from + run);
             let once = phases[from..to].concat();
-            let next = orders.moves(&union(&orders.goal, &phases[..from].concat()));
+            let before = union(&orders.goal, &phases[..from].concat());
+            let next = orders.moves(&before);
             let mut fewer = phases.clone();
             fewer.splice(from..to, [once.clone()]);
             from += run - 1;
-            if !once.iter().all(|creases| next.contains(creases)) {
-                continue;
-            }
-            let mut other = plan_of(orders, &fewer, LEAST_BOUND_FRACTION);
-            if other.outcome == Outcome::Planned {
-                core::mem::swap(&mut plan, &mut other);
+            if once.iter().all(|creases| next.contains(creases))
+                && orders.is_sampled_free(&before, &once)
+                && is_good(orders, &fewer)
+            {
                 phases = fewer;
                 from -= run - 1;
             }
-            effort += other.effort;
         }
         run = run.div_ceil(2).min(run - 1);
     }
-    let mut other = plan_of(orders, &phases, FIRST_BOUND_FRACTION);
-    if other.outcome == Outcome::Planned {
-        core::mem::swap(&mut plan, &mut other);
+    phases
+}
+
+/// Returns for each crease the number of faces on the side that has fewer, on a sheet whose hinges turn freely.
+fn faces_beyond(pattern: &CreasePattern) -> Vec<usize> {
+    let mut faces = vec![1; pattern.faces().len()];
+    let mut beyond = vec![0; pattern.creases().len()];
+    for step in pattern.tree().steps().iter().rev() {
+        let own = faces[step.face.index()];
+        faces[step.parent.index()] += own;
+        if let Some(crease) = step.crease {
+            beyond[crease.index()] = own.min(faces.len() - own);
+        }
     }
-    plan.effort += other.effort;
-    plan.effort += effort;
-    plan.notes.push(Note::Phases(phases.len()));
-    plan
+    beyond
 }
 
 /// Returns the sets of creases that turn and move each other along `route`; creases of different sets do not.
@@ -156,6 +214,10 @@ struct Barred {
 struct Orders<'a> {
     problem: &'a PlanningProblem<'a>,
     judge: Judge<'a>,
+    /// Samples of what turns next, if hinges turn freely; otherwise only whole plans tell how creases turn together.
+    samples: Option<PhaseSamples<'a>>,
+    /// For each crease the number of faces on the side that has fewer, if hinges turn freely.
+    beyond: Vec<usize>,
     /// Fold angles of the creases when all are folded, radians.
     goal: Vec<f64>,
     /// The creases that turn.
@@ -209,6 +271,32 @@ impl StopSearch for Orders<'_> {
 }
 
 impl Orders<'_> {
+    /// Returns `true` if time has run out, or enough samples were taken.
+    fn is_spent(&self) -> bool {
+        let samples = self.samples.as_ref();
+        samples.map_or(self.problem.is_late(), PhaseSamples::is_spent)
+    }
+
+    /// Returns `true` if nothing is known that keeps a set of creases from turning after others.
+    fn may_follow(
+        &mut self,
+        folded: &FixedBitSet,
+        next: &FixedBitSet,
+        after: &FixedBitSet,
+    ) -> bool {
+        match &mut self.samples {
+            Some(samples) => samples.crossing(folded, next).is_none(),
+            None => self.is_free(after),
+        }
+    }
+
+    /// Returns `true` if samples are free, or none are taken, while sets of creases turn at once after those `before`.
+    fn is_sampled_free(&mut self, before: &FixedBitSet, once: &[FixedBitSet]) -> bool {
+        let once = union(&self.goal, once);
+        let samples = self.samples.as_mut();
+        samples.is_none_or(|samples| samples.crossing(before, &once).is_none())
+    }
+
     fn is_free(&mut self, folded: &FixedBitSet) -> bool {
         if let Some(&free) = self.free.get(folded) {
             return free;
@@ -258,16 +346,21 @@ impl Orders<'_> {
             return Ok(());
         }
         self.steps += 1;
-        if self.steps > MAX_STEPS {
+        if self.steps > MAX_STEPS || self.is_spent() {
             return Err(false);
         }
         let mut in_any_order = true;
         let mut moves = self.moves(&folded).to_vec();
-        // Sets whose creases were seldom in the way come first.
-        moves.sort_by_cached_key(|next| next.ones().map(|crease| self.in_the_way[crease]).max());
+        // Sets whose creases were seldom in the way come first, and of these the ones that turn few faces.
+        let most = |counts: &[usize], next: &FixedBitSet| {
+            next.ones()
+                .filter_map(|crease| counts.get(crease).copied())
+                .max()
+        };
+        moves.sort_by_cached_key(|next| (most(&self.in_the_way, next), most(&self.beyond, next)));
         for next in moves {
             let after = &folded | &next;
-            if self.dead.contains(&after) || !self.is_free(&after) {
+            if self.dead.contains(&after) || !self.may_follow(&folded, &next, &after) {
                 continue;
             }
             let mut barred = self.barred.iter();

@@ -8,6 +8,7 @@ pub(super) mod bending;
 pub(super) mod driver;
 pub(super) mod fold_sequence;
 pub(super) mod lines;
+mod phase_samples;
 pub(super) mod pipeline;
 mod rows;
 pub(super) mod simple_folds;

@@ -5,16 +5,19 @@
 //! Here the faces that cross say which creases to move to another phase.
 
 use core::cmp::Reverse;
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use fixedbitset::FixedBitSet;
 
-use super::stops::{StopSearch, between, search_stops, stops_of, turned_creases};
-use crate::pattern::CreasePattern;
+use super::phase_samples::{PhaseSamples, SampledCrossing, turns_freely};
+use super::stops::{StopSearch, between, search_stops, set, stops_of, turned_creases};
+use crate::pattern::FaceId;
+use crate::planner::following::reduction::Reduction;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
+use crate::symmetry::CreaseGroups;
 
 /// Fraction of the way to the goal that another phase is worth: a way with one phase more is tried first only if the
 /// way that it was made from leads farther by this.
@@ -34,11 +37,17 @@ struct Candidate {
     phases: Phases,
 }
 
+/// Largest number of faces that are placed for samples of phases.
+const MAX_SAMPLED_FACES: usize = 500_000;
+
 /// Ways to part the creases into phases that are still to be tried.
 struct Candidates<'a> {
     /// Fold angle of each crease at the goal, radians.
     goal: &'a [f64],
-    pattern: &'a CreasePattern,
+    problem: &'a PlanningProblem<'a>,
+    samples: PhaseSamples<'a>,
+    /// The first phases of plans in which faces cross in the last of them: the faces, and the part of it that is free.
+    crossed: HashMap<Phases, SampledCrossing>,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
     /// The phases that are tried.
@@ -48,24 +57,26 @@ struct Candidates<'a> {
 /// Returns `true` if each hinge of a sheet is free to turn on its own, and faces cross on the plan that folds all at
 /// once.
 pub(crate) fn splits_phases(problem: &PlanningProblem<'_>, straight: &Plan) -> bool {
-    let pattern = problem.pattern;
-    let is_free = pattern.real_vertices().next().is_none() && pattern.holes().is_empty();
-    is_free && matches!(straight.outcome, Outcome::Crossing(_))
+    turns_freely(problem.pattern) && matches!(straight.outcome, Outcome::Crossing(_))
 }
 
 /// Returns a plan to `goal` (fold angles in radians) in which some creases fold before or after the others, if one is
 /// found. `straight` is the plan that folds all at once, for which [`splits_phases`] is true.
 ///
-/// Best first: where two faces cross in a phase, each crease between them is moved to a phase before or after.
+/// Best first: where two faces cross in a phase, each crease between them is moved to a phase before or after. Only phases
+/// whose samples are free are planned.
 pub(crate) fn fold_in_split_phases(
     problem: &PlanningProblem<'_>,
     goal: &[f64],
     straight: &Plan,
 ) -> Option<Plan> {
     let all = vec![turned_creases(goal)];
+    let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
     let mut candidates = Candidates {
         goal,
-        pattern: problem.pattern,
+        problem,
+        samples: PhaseSamples::new(problem, &reduction, goal, MAX_SAMPLED_FACES),
+        crossed: HashMap::new(),
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
         tried: all,
@@ -81,25 +92,56 @@ impl StopSearch for Candidates<'_> {
     const BOUND_FRACTION: f64 = FIRST_BOUND_FRACTION;
 
     fn next(&mut self) -> Option<Vec<Vec<f64>>> {
-        self.tried = self.open.pop()?.phases;
-        Some(stops_of(self.goal, &self.tried))
+        loop {
+            self.tried = self.open.pop()?.phases;
+            let Some((phase, crossing)) = self.sampled_crossing() else {
+                return Some(stops_of(self.goal, &self.tried));
+            };
+            if self.samples.is_spent() {
+                return None;
+            }
+            #[allow(clippy::cast_precision_loss, reason = "counts of phases")]
+            let reached = (phase as f64 + crossing.free) / self.tried.len() as f64;
+            self.split(phase, crossing.faces, reached);
+        }
     }
 
-    /// Adds the ways to split the phase of a plan in which faces cross.
     fn learn(&mut self, plan: &Plan) {
-        let Outcome::Crossing(crossing) = plan.outcome else {
-            return;
-        };
+        if let Outcome::Crossing(crossing) = plan.outcome {
+            let phase = plan.ended_phases().min(self.tried.len() - 1);
+            let faces = crossing.faces;
+            let first = self.tried[..=phase].to_vec();
+            self.crossed
+                .insert(first, SampledCrossing { free: 0.5, faces });
+            self.split(phase, faces, plan.reached);
+        }
+    }
+}
+
+impl Candidates<'_> {
+    /// Returns the first phase of those tried in which samples cross, or plans with the same first phases did.
+    fn sampled_crossing(&mut self) -> Option<(usize, SampledCrossing)> {
+        let mut before = set(self.goal, []);
+        (0..self.tried.len()).find_map(|index| {
+            let phase = &self.tried[index];
+            let sampled = self.samples.crossing(&before, phase);
+            before.union_with(phase);
+            let planned = || self.crossed.get(&self.tried[..=index]).copied();
+            Some((index, sampled.or_else(planned)?))
+        })
+    }
+
+    /// Adds the ways to split a phase of those tried, in which two faces cross after this part of the way to the goal.
+    fn split(&mut self, phase: usize, faces: [FaceId; 2], reached: f64) {
         let phases = &self.tried;
-        let phase = plan.ended_phases().min(phases.len() - 1);
-        let between = between(self.pattern, crossing.faces);
+        let between = between(self.problem.pattern, faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {
                     continue;
                 }
                 #[allow(clippy::cast_precision_loss, reason = "a count of phases")]
-                let promise = 1e6 * (plan.reached - WORTH_OF_PHASE * next.len() as f64);
+                let promise = 1e6 * (reached - WORTH_OF_PHASE * next.len() as f64);
                 #[allow(clippy::cast_possible_truncation, reason = "millionths")]
                 self.open.push(Candidate {
                     promise: promise as i64,

@@ -36,11 +36,16 @@ type Three<T> = [T; 3];
 #[derive(Clone, Debug, Default)]
 pub(super) struct IntervalBroadPhase {
     hinges: Vec<Hinge>,
-    /// For each hinge two distances in the flat sheet: from the pivot of the hinge before to this pivot, and from this
-    /// pivot to the farthest corner of the face beyond.
+    /// For each hinge two distances: from the pivot of the hinge before to this pivot, and from this pivot to the farthest
+    /// corner of the face beyond.
     reaches: Vec<[f64; 2]>,
-    /// For each cluster the panel that has all its pieces, if one has.
-    panels: Vec<Option<FaceId>>,
+    /// For each hinge `true` if it keeps its angle over the current segment, and those distances (`spans`): a hinge that
+    /// rests has the pivot of the hinge before.
+    resting: Vec<bool>,
+    spans: Vec<[f64; 2]>,
+    /// For each cluster the body that has all its pieces, if one has: faces at rest relative to each other over the current
+    /// segment.
+    bodies: Vec<Option<FaceId>>,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
     /// Bound on the second derivative of each group's angle, one row for each part of the segment.
@@ -65,12 +70,7 @@ pub(super) struct IntervalBroadPhase {
 }
 
 impl IntervalBroadPhase {
-    pub(super) fn new(
-        pattern: &CreasePattern,
-        hierarchy: &Hierarchy,
-        memberships: &[Membership],
-        groups: usize,
-    ) -> Self {
+    pub(super) fn new(pattern: &CreasePattern, memberships: &[Membership], groups: usize) -> Self {
         let (tree, faces) = (pattern.tree(), pattern.faces().len());
         let mut pivots = vec![None; faces];
         let reaches = tree.steps().iter().map(|step| {
@@ -85,7 +85,6 @@ impl IntervalBroadPhase {
         let steps = tree.steps().iter();
         let hinges: Vec<Hinge> = steps.map(|step| Hinge::of(step, memberships)).collect();
         Self {
-            panels: near::panels(&hinges, hierarchy, faces),
             hinges,
             reaches,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
@@ -126,6 +125,7 @@ impl IntervalBroadPhase {
             length = length.min(1 << into.trailing_zeros());
         } else {
             motion.curvatures(self.from, CURVATURE_PARTS, &mut self.curvatures);
+            self.enter_segment(motion, pieces, hierarchy);
             if self.from == 0 || length > SEGMENT {
                 length = SEGMENT;
             }
@@ -151,6 +151,44 @@ impl IntervalBroadPhase {
         true
     }
 
+    /// Finds the hinges that rest over the segment that begins now, and what moves as one body for it.
+    fn enter_segment(&mut self, motion: &Motion, pieces: &Pieces, hierarchy: &Hierarchy) {
+        let segment = [self.from, self.from + SEGMENT];
+        let rests = |hinge: &Hinge| {
+            hinge
+                .group()
+                .is_none_or(|group| motion.rests(group, segment))
+        };
+        let (bodies, faces) = (&mut self.bodies, self.poses.len());
+        near::find_bodies(bodies, &self.hinges, hierarchy, faces, rests);
+        self.spans.clone_from(&self.reaches);
+        self.resting.clear();
+        let is_crease_at_rest = |hinge: &Hinge| hinge.turns.is_some() && rests(hinge);
+        if !self.hinges.iter().any(is_crease_at_rest) {
+            self.resting.resize(self.hinges.len(), false);
+            return;
+        }
+        self.resting.extend(self.hinges.iter().map(rests));
+        // Distances across hinges that rest are those in the sheet as it is now.
+        let mut pivots: Vec<Option<Vector3<f64>>> = vec![None; faces];
+        for ((hinge, span), &rests) in self.hinges.iter().zip(&mut self.spans).zip(&self.resting) {
+            let [from, to] = [hinge.from, hinge.to].map(|face| face as usize);
+            let pivot = self.poses[from].apply(hinge.pivot);
+            span[0] = pivots[from].map_or(0.0, |before| (pivot - before).norm());
+            pivots[to] = if rests { pivots[from] } else { Some(pivot) };
+        }
+        let mut farthest = vec![0.0_f64; faces];
+        for piece in &pieces.list {
+            let face = piece.face.index();
+            let corners = self.places[2][piece.corners()].iter();
+            let away = corners.map(|at| pivots[face].map_or(0.0, |pivot| (at - pivot).norm()));
+            farthest[face] = away.fold(farthest[face], f64::max);
+        }
+        for (hinge, span) in self.hinges.iter().zip(&mut self.spans) {
+            span[1] = farthest[hinge.to as usize];
+        }
+    }
+
     /// Returns `true` if no piece deviates beyond the limit over the interval.
     fn is_within_limit(&mut self, motion: &Motion) -> bool {
         motion.angles(self.to, &mut self.next);
@@ -173,11 +211,17 @@ impl IntervalBroadPhase {
         }
         self.bounds.fill(DeviationBound::default());
         self.deviations.fill(0.0);
-        for (hinge, &[way, reach]) in self.hinges.iter().zip(&self.reaches) {
+        let spans = self.spans.iter().zip(&self.resting);
+        for (hinge, (&[way, reach], &rests)) in self.hinges.iter().zip(spans) {
             let [face, parent] = [hinge.to, hinge.from].map(|face| face as usize);
             let group = hinge.group();
             let variation = group.map_or(AngleVariation::default(), |group| self.variations[group]);
-            let bound = self.bounds[parent].across(way, variation);
+            let before = self.bounds[parent];
+            let bound = if rests {
+                before
+            } else {
+                before.across(way, variation)
+            };
             self.bounds[face] = bound;
             let deviation = bound.at(reach);
             self.deviations[face] = deviation;
@@ -316,7 +360,7 @@ mod tests {
         let pieces = Pieces::new(&pattern);
         let hierarchy = Hierarchy::new(&pieces);
         let members = groups.memberships();
-        let mut broad_phase = IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
+        let mut broad_phase = IntervalBroadPhase::new(&pattern, members, groups.len());
         broad_phase.begin(&motion, &pieces);
         assert!(broad_phase.advance(&motion, &pieces, &hierarchy));
         assert!(broad_phase.parted(&pieces, [0, 2], 1e-12).is_none());
@@ -388,8 +432,7 @@ mod tests {
             let pieces = Pieces::new(&pattern);
             let hierarchy = Hierarchy::new(&pieces);
             let members = groups.memberships();
-            let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
+            let mut broad_phase = IntervalBroadPhase::new(&pattern, members, groups.len());
             broad_phase.begin(&motion, &pieces);
             let mut map = FoldingMap::flat(&pattern);
             while broad_phase.to < motion.end() {

@@ -22,7 +22,7 @@ const TIME_PER_CLUSTER: Duration = Duration::from_nanos(500);
 
 impl IntervalBroadPhase {
     /// Finds the pairs of pieces whose boxes are no farther apart than `touching`, or nearer than a distance: at first
-    /// `within`, then the value that `take` returned last. After the first interval, pieces of one panel are no pairs,
+    /// `within`, then the value that `take` returned last. After the first interval, pieces of one body are no pairs,
     /// because their distance stays. Calls `test`, and then `take` with what `test` returned, unless that is `None`.
     ///
     /// `take` is called for the same pairs in the same order with any number of threads. `test` may run on several threads
@@ -116,11 +116,11 @@ impl IntervalBroadPhase {
         apart.sup(&Vector3::zeros()).norm()
     }
 
-    /// Returns `true` after the first interval if all pieces of two clusters are on one panel.
+    /// Returns `true` after the first interval if all pieces of two clusters are on one body.
     #[inline]
-    fn is_panel(&self, a: u32, b: u32) -> bool {
-        let is_same = |panel| self.panels[b as usize] == Some(panel);
-        self.from > 0 && self.panels[a as usize].is_some_and(is_same)
+    fn is_body(&self, a: u32, b: u32) -> bool {
+        let is_same = |body| self.bodies[b as usize] == Some(body);
+        self.from > 0 && self.bodies[a as usize].is_some_and(is_same)
     }
 
     /// Takes pairs of clusters from `open` and splits them. Calls `found` for each pair that contains no more than `PAIRS`
@@ -136,7 +136,7 @@ impl IntervalBroadPhase {
     ) {
         while let Some([a, b]) = open.pop() {
             let gap = if a == b { 0.0 } else { self.gap(a, b) };
-            if is_far(gap, [touching, within]) || self.is_panel(a, b) {
+            if is_far(gap, [touching, within]) || self.is_body(a, b) {
                 continue;
             }
             let [first, second] = [a, b].map(|node| &hierarchy.nodes[node as usize]);
@@ -170,25 +170,30 @@ fn is_far(gap: f64, [touching, within]: [f64; 2]) -> bool {
     gap > touching && gap >= within
 }
 
-/// Returns for each cluster its panel, named by one of the panel's faces, if all of its pieces are on one panel: no
-/// crease is between them along the tree, so that they keep their places relative to each other.
-pub(super) fn panels(hinges: &[Hinge], hierarchy: &Hierarchy, faces: usize) -> Vec<Option<FaceId>> {
+/// Finds for each cluster its body, named by one of the body's faces, if all of its pieces are on one: all creases between
+/// them along the tree rest, so that they keep their places relative to each other.
+pub(super) fn find_bodies(
+    bodies: &mut Vec<Option<FaceId>>,
+    hinges: &[Hinge],
+    hierarchy: &Hierarchy,
+    faces: usize,
+    rests: impl Fn(&Hinge) -> bool,
+) {
     let mut of_faces: Vec<FaceId> = (0..faces).map(FaceId::new).collect();
-    for hinge in hinges.iter().filter(|hinge| hinge.turns.is_none()) {
+    for hinge in hinges.iter().filter(|hinge| rests(hinge)) {
         of_faces[hinge.to as usize] = of_faces[hinge.from as usize];
     }
-    let mut panels: Vec<Option<FaceId>> = Vec::with_capacity(hierarchy.nodes.len());
+    bodies.clear();
     for node in &hierarchy.nodes {
         // Children come before their cluster.
-        panels.push(match node.children {
+        bodies.push(match node.children {
             None => Some(of_faces[node.face.index()]),
             Some(children) => {
-                let [a, b] = children.map(|child| panels[child as usize]);
+                let [a, b] = children.map(|child| bodies[child as usize]);
                 a.filter(|_| a == b)
             }
         });
     }
-    panels
 }
 
 #[cfg(test)]
@@ -223,8 +228,7 @@ mod tests {
         let hierarchy = Hierarchy::new(&pieces);
         let found = |threads: usize| {
             let members = groups.memberships();
-            let mut broad_phase =
-                IntervalBroadPhase::new(&pattern, &hierarchy, members, groups.len());
+            let mut broad_phase = IntervalBroadPhase::new(&pattern, members, groups.len());
             broad_phase.begin(&motion, &pieces);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
