@@ -83,8 +83,8 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     /// Failure, if the state is [`State::Faulted`].
     fault: Option<Fault>,
     clock: PathClock<T>,
-    /// Largest path time, seconds, if there is a bound.
-    lease: Option<T>,
+    /// Place that the motion may not pass.
+    lease: FollowerPosition<T>,
     now: u64,
     heard: u64,
     lag: LagWatch<T>,
@@ -128,7 +128,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             stopped: false,
             fault: None,
             clock: PathClock::default(),
-            lease: None,
+            lease: FollowerPosition::infinite(),
             now: 0,
             heard: 0,
             lag: LagWatch::new(&options),
@@ -279,11 +279,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.stopped || self.latch != Reason::None
     }
 
-    /// Bounds the path time from outside: the motion comes to rest there, and goes on when the bound has grown. `None`
+    /// Bounds the path from outside: the motion comes to rest at this place, and goes on when the bound has grown. `None`
     /// removes the bound. A bound that shrinks below the braking distance stops the motion at once, but never moves it
     /// back.
-    pub fn lease(&mut self, seconds: Option<T>) {
-        self.lease = seconds;
+    pub fn lease(&mut self, place: Option<FollowerPosition<T>>) {
+        self.lease = place.unwrap_or(FollowerPosition::infinite());
     }
 
     /// Takes up a new path on this sheet, from its beginning or from a position on it. Drops the path before.

@@ -7,6 +7,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Scalar;
 use crate::acceptance::Refusal;
 use crate::numbers::{Numbers, number};
 
@@ -100,7 +101,7 @@ pub enum Reason {
     Fault(Fault),
     /// The groups slowly approach the beginning of the path.
     Approach,
-    /// The path time has reached the bound that was set from outside.
+    /// The motion has reached the place that was set from outside as its bound.
     Lease,
     /// The last tick came later than [`Options::longest_tick`](crate::follower::Options::longest_tick), so that a part of the
     /// time does not count.
@@ -120,7 +121,7 @@ impl fmt::Display for Reason {
             Self::Refused(refusal) => return write!(f, "a setpoint was refused: {refusal}"),
             Self::Fault(fault) => return fault.fmt(f),
             Self::Approach => "the groups approach the beginning of the path",
-            Self::Lease => "the path time has reached its bound",
+            Self::Lease => "the motion has reached its bound",
             Self::LateTick => "the controller's ticks come late",
         })
     }
@@ -253,4 +254,14 @@ pub struct FollowerPosition<T> {
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,
+}
+
+impl<T: Scalar> FollowerPosition<T> {
+    /// Returns a position that is behind all others.
+    pub(super) fn infinite() -> Self {
+        Self {
+            knot: u32::MAX,
+            into: T::MAX,
+        }
+    }
 }

@@ -20,7 +20,7 @@ use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::wire::sender::Options;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
-use foldpath_test_support::Random;
+use foldpath_test_support::{Random, spans};
 use rand_core::Rng;
 
 use crate::path::{BOARD, settings};
@@ -38,7 +38,7 @@ pub(crate) const LIMITS: GroupLimits = GroupLimits {
 /// A path from 0 to 2 rad in two seconds, on which all groups turn alike. It has three hinges for each group.
 pub(crate) struct Path {
     pub(crate) groups: usize,
-    pub(crate) times: Vec<f32>,
+    pub(crate) spans: Vec<f32>,
     pub(crate) angles: Vec<f32>,
     pub(crate) rates: Vec<f32>,
     pub(crate) hinges: Vec<Membership>,
@@ -52,20 +52,17 @@ impl Path {
 
     /// The path begins at an angle and has this speed, radians and radians per second.
     pub(crate) fn from(groups: usize, begin: f32, speed: f32) -> Self {
-        let times: Vec<f32> = (0..21_u8).map(|knot| f32::from(knot) * 0.1).collect();
-        let angles = times
-            .iter()
-            .flat_map(|time| vec![begin + speed * time; groups])
-            .collect();
+        let times = (0..21_u8).map(|knot| f32::from(knot) * 0.1);
+        let angles = times.flat_map(|time| vec![begin + speed * time; groups]);
         let hinge = |hinge: usize| Membership {
             group: GroupId(u32::try_from(hinge % groups).unwrap()),
             negative: hinge.is_multiple_of(3),
         };
         Self {
             groups,
-            angles,
-            rates: vec![speed; groups * times.len()],
-            times,
+            angles: angles.collect(),
+            rates: vec![speed; groups * 21],
+            spans: spans(21, 0.1),
             hinges: (0..3 * groups).map(hinge).collect(),
             limits: vec![LIMITS; groups],
         }
@@ -73,7 +70,7 @@ impl Path {
 
     pub(crate) fn items(&self) -> PathItems<'_> {
         let (kind, groups) = (Interpolation::Hermite, self.groups);
-        let view = TrajectoryView::new(kind, groups, &self.times, &self.angles, &self.rates, &[]);
+        let view = TrajectoryView::new(kind, groups, &self.spans, &self.angles, &self.rates, &[]);
         let stars = StarsView::new(&[], &[], groups).unwrap();
         let place = FollowerPosition::default();
         PathItems::new(

@@ -131,7 +131,7 @@ fn no_message_widens_the_limits_of_the_board() {
             (limits.lower, limits.upper, limits.speed) = (lower, upper, speed);
         }
         // From 0 to 2 rad in a millisecond.
-        path.times = path.times.iter().map(|time| time * 5e-4).collect();
+        path.spans = path.spans.iter().map(|span| span * 5e-4).collect();
         path.rates = path.rates.iter().map(|_| 2e3).collect();
         let mut machine = Machine::<2>::new(1);
         let mut host = path.driver(Persistence::None, 7).confirming();

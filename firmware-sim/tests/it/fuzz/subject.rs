@@ -464,7 +464,7 @@ impl<'a> Subject<'a> {
             return Some(p);
         }
         let to = &self.taken[1];
-        let ([q, v], span) = (node(to), f64::from(to.time) - f64::from(from.time));
+        let ([q, v], span) = (node(to), f64::from(to.span));
         let s = f64::from(place.into) / span;
         assert!((0.0..=1.0).contains(&s), "{place:?} of {span}");
         let hermite = || {
