@@ -9,7 +9,7 @@ pub const CLOSURE: f32 = 2.123852e-6;
 /// Seconds of the knots since the knot before, 0 at the first.
 #[allow(clippy::approx_constant)]
 pub const SPANS: &[f32] = &[
-    0.0, 4.050696, 1.2614827, 1.5715609, 1.4153624, 1.8023405, 1.0113449, 3.1350212,
+    0.0, 4.050696, 1.2614825, 1.5715609, 1.4153627, 1.8023404, 1.0113451, 3.1350207,
 ];
 /// Fold angles in radians, a row a knot.
 #[allow(clippy::approx_constant)]

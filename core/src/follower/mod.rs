@@ -80,11 +80,18 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     stopped: bool,
     /// `true` if the last tick came late.
     is_late: bool,
+    /// `true` if the last setpoint has come.
+    ended: bool,
+    stance: Stance,
+    /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
+    is_on_path: bool,
+    /// `true` if the groups stand beside the path, because an approach was broken off.
+    is_off_path: bool,
     /// Failure, if the state is [`State::Faulted`].
     fault: Option<Fault>,
     clock: PathClock<T>,
-    /// Place that the motion may not pass.
-    lease: FollowerPosition<T>,
+    /// Place that the motion may not pass, if there is one.
+    lease: Option<FollowerPosition<T>>,
     now: u64,
     heard: u64,
     lag: LagWatch<T>,
@@ -92,18 +99,11 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     guarded: u16,
 
     next: u32,
-    ended: bool,
-
     groups: usize,
-    stance: Stance,
     /// Time when the path was loaded, microseconds.
     loaded_at: u64,
-    /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
-    is_on_path: bool,
     /// Position on the path before.
     last_position: FollowerPosition<T>,
-    /// `true` if the groups stand beside the path, because an approach was broken off.
-    is_off_path: bool,
     /// Measurements made while it is not known where the groups stand.
     survey: Survey<T, GROUPS>,
     angles: [T; GROUPS],
@@ -128,7 +128,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
             stopped: false,
             fault: None,
             clock: PathClock::default(),
-            lease: FollowerPosition::infinite(),
+            lease: None,
             now: 0,
             heard: 0,
             lag: LagWatch::new(&options),
@@ -283,7 +283,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// removes the bound. A bound that shrinks below the braking distance stops the motion at once, but never moves it
     /// back.
     pub fn lease(&mut self, place: Option<FollowerPosition<T>>) {
-        self.lease = place.unwrap_or(FollowerPosition::infinite());
+        self.lease = place;
     }
 
     /// Takes up a new path on this sheet, from its beginning or from a position on it. Drops the path before.

@@ -104,20 +104,31 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     /// and not above 0 if it is before the position.
     #[inline(never)]
     pub(super) fn until(&self, place: FollowerPosition<T>) -> T {
-        let (Some(first), Some(last)) = (self.setpoints.front(), self.setpoints.back()) else {
-            return T::MAX;
-        };
-        if place.knot > last.number {
-            return T::MAX;
+        match (self.setpoints.front(), self.setpoints.back()) {
+            (Some(first), _) if place.knot < first.number => T::zero(),
+            (Some(first), Some(last)) if place.knot <= last.number => {
+                let way = place.into - self.into;
+                if place.knot > first.number {
+                    way + self.span + self.behind(place.knot)
+                } else {
+                    way
+                }
+            }
+            _ => T::MAX,
         }
-        if place.knot < first.number {
-            return T::zero();
+    }
+
+    /// Returns the duration of the segments behind the first one up to this knot, seconds.
+    #[inline(never)]
+    fn behind(&self, knot: u32) -> T {
+        let (mut behind, mut index) = (T::zero(), 2);
+        while let Some(setpoint) = self.setpoints.get(index)
+            && setpoint.number <= knot
+        {
+            behind += setpoint.span;
+            index += 1;
         }
-        let ahead = self.setpoints.iter().skip(1);
-        let ahead = ahead.take_while(|setpoint| setpoint.number <= place.knot);
-        ahead.fold(place.into - self.into, |until, setpoint| {
-            until + setpoint.span
-        })
+        behind
     }
 
     /// Returns the largest speed of each group, radians per second.
@@ -200,15 +211,14 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     /// Makes the curves of the segment behind the first setpoint. Its duration is 0 if there is no such segment.
     fn enter(&mut self) {
         (self.span, self.rest) = (T::zero(), T::zero());
-        let mut ahead = self.setpoints.iter();
-        if let (Some(from), Some(to)) = (ahead.next(), ahead.next()) {
+        if let (Some(from), Some(to)) = (self.setpoints.front(), self.setpoints.get(1)) {
             self.span = to.span;
             let ends = from.nodes.iter().zip(&to.nodes);
             for (curve, (from, to)) in self.curves.iter_mut().zip(ends) {
                 *curve = Curve::between(self.interpolation, self.span, *from, *to);
             }
             // Summed anew, so that no rounding error outlasts the queue.
-            self.rest = ahead.fold(T::zero(), |rest, setpoint| rest + setpoint.span);
+            self.rest = self.behind(u32::MAX);
         }
     }
 

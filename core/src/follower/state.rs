@@ -7,7 +7,6 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Scalar;
 use crate::acceptance::Refusal;
 use crate::numbers::{Numbers, number};
 
@@ -254,14 +253,4 @@ pub struct FollowerPosition<T> {
     pub knot: u32,
     /// Seconds behind that knot.
     pub into: T,
-}
-
-impl<T: Scalar> FollowerPosition<T> {
-    /// Returns a position that is behind all others.
-    pub(super) fn infinite() -> Self {
-        Self {
-            knot: u32::MAX,
-            into: T::MAX,
-        }
-    }
 }
