@@ -126,8 +126,18 @@ impl Path {
         .unwrap()
     }
 
+    /// Alters an angle or a rate of a knot that is neither the first nor the last, by `off`.
+    pub(crate) fn alter(&mut self, rng: &mut Random, off: f64) {
+        let numbers = if below(rng, 2) == 0 {
+            &mut self.angles
+        } else {
+            &mut self.rates
+        };
+        let inner = numbers.len() as u64 - 4;
+        numbers[2 + usize::try_from(below(rng, inner)).unwrap()] += f32::lit(off);
+    }
+
     /// Returns the path of the way back.
-    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no way back"))]
     pub(crate) fn reversed(&self) -> Self {
         let reverse = |values: &[f32], sign: f32| {
             let knots = values.chunks(2).rev().flatten();
@@ -144,7 +154,6 @@ impl Path {
     }
 
     /// Returns the bytes of the path's trajectory file.
-    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no file"))]
     pub(crate) fn file(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let (limits, stars) = (&[LIMITS; 2], self.stars.view());

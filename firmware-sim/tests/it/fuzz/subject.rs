@@ -62,8 +62,9 @@ pub(crate) struct Subject<'a> {
     level: bool,
     /// `true` if nobody has asked to resume since the stop line was drawn.
     drawn: bool,
-    /// `true` once a hinge was measured far from its command.
+    /// `true` once a hinge was measured far from its command, and once one was so or its sensor told no number.
     away: bool,
+    stuck: bool,
     /// Time when the host was last heard, microseconds.
     heard: u64,
     boots: u32,
@@ -106,6 +107,7 @@ impl<'a> Subject<'a> {
             level: false,
             drawn: false,
             away: false,
+            stuck: false,
             heard: 0,
             boots: 0,
             items: Stream::default(),
@@ -378,8 +380,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Checks that the rate of the clock changes by at most 4 a second, or falls by 32 because of a hinge that is elsewhere,
-    /// and is 0 if no path is left.
+    /// Checks that the rate of the clock changes by at most 4 a second, or falls by 32 because of a hinge that is elsewhere or
+    /// whose sensor tells no number, and is 0 if no path is left.
     fn rates(&self, before: &Look, after: &Look, passed: u64) {
         // On other paths, far from time 0, the end of a long segment is rounded.
         if after.state == State::Faulted || !self.pristine {
@@ -387,7 +389,7 @@ impl<'a> Subject<'a> {
         }
         let [from, to] = [before.rate, after.rate].map(f32::from_bits);
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
-        let most = if self.away && to < from { 32e-6 } else { 4e-6 } * passed as f32;
+        let most = if self.stuck && to < from { 32e-6 } else { 4e-6 } * passed as f32;
         // Near the end the path time left is rounded, and the rate grows as its square root.
         // An approach has a way of its own before that of the path.
         let follower = self.device.follower();
@@ -584,6 +586,7 @@ impl<'a> Subject<'a> {
                 .measure(hinge, member, angle + off);
             // False for a NaN, which tells of a sensor that has failed.
             self.away |= off.abs() >= 0.149;
+            self.stuck |= self.away || off.is_nan();
         }
     }
 
