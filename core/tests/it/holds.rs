@@ -121,9 +121,11 @@ fn a_sensor_that_flickers_hides_no_stuck_hinge() {
 
 /// Returns the place that is so many seconds behind the beginning of a path whose knots are 0.1 s apart.
 fn place(seconds: f32) -> Option<FollowerPosition<f32>> {
-    let knot = (10.0 * seconds) as u32;
-    let into = seconds - knot as f32 * 0.1;
-    Some(FollowerPosition { knot, into })
+    let knot = (0..100_u8).rfind(|knot| f32::from(*knot) * 0.1 <= seconds)?;
+    Some(FollowerPosition {
+        knot: knot.into(),
+        into: seconds - f32::from(knot) * 0.1,
+    })
 }
 
 /// The path time stays below a bound from outside, reaches it at rest, and goes on when it grows.

@@ -132,7 +132,7 @@ impl<'a, P: Protection> Life<'a, P> {
         }
         machine.reset();
         // Two boards of three have exact sensors at first.
-        let exact = seed % 3 > 0;
+        let exact = !seed.is_multiple_of(3);
         if exact {
             machine.bench(|bench| bench.sensor = Some(EXACT));
         }

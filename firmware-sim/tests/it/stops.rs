@@ -105,11 +105,15 @@ fn what_stops_a_motion_how_fast_and_how_far() {
         &path,
         none,
         |machine, host| {
-            // The knots are 0.1 s apart.
             let time = machine.command().unwrap() + 0.3;
-            let knot = (10.0 * time) as u32;
-            let into = time - knot as f32 * 0.1;
-            let place = FollowerPosition { knot, into };
+            // The knots are 0.1 s apart.
+            let knot = (0..21_u8)
+                .rfind(|knot| f32::from(*knot) * 0.1 <= time)
+                .unwrap();
+            let place = FollowerPosition {
+                knot: knot.into(),
+                into: time - f32::from(knot) * 0.1,
+            };
             machine.controller.lease(Some(place));
             Some(host)
         },

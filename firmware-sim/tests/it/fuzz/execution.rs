@@ -105,7 +105,7 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
     let kind = kinds[usize::try_from(below(&mut rng, 4)).unwrap()];
     let groups = usize::try_from(1 + below(&mut rng, 4)).unwrap();
     // The executions that have found faults fold by cubics of the angle.
-    let fold = if number / 4 % 4 == 0 {
+    let fold = if (number / 4).is_multiple_of(4) {
         Interpolation::HalfAngle
     } else {
         Interpolation::Hermite
