@@ -72,9 +72,9 @@ enum Stance {
 #[repr(C)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     options: Options<T>,
-    state: State,
     /// Reason other than the stop line that holds the motion until [`resume`](Follower::resume).
     latch: Reason,
+    state: State,
     /// `line`: `true` while the stop line is drawn. `stopped`: `true` from then on until [`resume`](Follower::resume).
     line: bool,
     stopped: bool,
@@ -87,18 +87,17 @@ pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     is_on_path: bool,
     /// `true` if the groups stand beside the path, because an approach was broken off.
     is_off_path: bool,
+    /// Number of the essential vertex that is guarded next.
+    guarded: u16,
     /// Failure, if the state is [`State::Faulted`].
     fault: Option<Fault>,
     clock: PathClock<T>,
     /// Place that the motion may not pass, if there is one.
     lease: Option<FollowerPosition<T>>,
+    next: u32,
     now: u64,
     heard: u64,
     lag: LagWatch<T>,
-    /// Number of the essential vertex that is guarded next.
-    guarded: u16,
-
-    next: u32,
     groups: usize,
     /// Time when the path was loaded, microseconds.
     loaded_at: u64,

@@ -887,7 +887,7 @@ fn late_ticks_slow_the_motion_and_are_told() {
 #[test]
 fn options_that_are_not_sound_are_refused_by_name() {
     type Change = fn(&mut Options<f32>, f32);
-    let numbers: [(&str, Change); 8] = [
+    let numbers: [(&str, Change); 9] = [
         ("clock.rise", |it, value| it.clock.rise = value),
         ("clock.brake", |it, value| it.clock.brake = value),
         ("lag", |it, value| it.lag = value),
@@ -896,6 +896,7 @@ fn options_that_are_not_sound_are_refused_by_name() {
         ("reach", |it, value| it.reach = value),
         ("spread", |it, value| it.spread = value),
         ("approach", |it, value| it.approach = value),
+        ("closure", |it, value| it.closure = value),
     ];
     let times: [(&str, Change); 4] = [
         ("silence", |it, _| it.silence = 0),
@@ -916,6 +917,11 @@ fn options_that_are_not_sound_are_refused_by_name() {
         change(&mut options, 0.0);
         assert_eq!(name(options), option);
     }
+    let open = Options {
+        closure: 0.11,
+        ..Options::DEFAULT
+    };
+    assert_eq!(name(open), "closure");
     let contradictory = Options {
         lag: 0.15,
         ..Options::DEFAULT
@@ -925,6 +931,11 @@ fn options_that_are_not_sound_are_refused_by_name() {
         error.to_string(),
         "most_lag: expected a finite angle above lag"
     );
+    let open = Options {
+        closure: 0.11,
+        ..Options::DEFAULT
+    };
+    assert_eq!(name(open), "closure");
     let contradictory = Options {
         jump: 0.2,
         ..Options::DEFAULT

@@ -81,7 +81,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         if fits.iter().any(|&(count, room)| usize::from(count) > room) {
             return Err(ItemRefusal::Room);
         }
-        if !(0.0..=settings.closure).contains(&head.closure) {
+        if !(0.0..=settings.follower.closure).contains(&head.closure) {
             return Err(ItemRefusal::Closure);
         }
         if settings.closed && spokes == 0 {
