@@ -231,9 +231,9 @@ impl<'a> Subject<'a> {
         }
         self.heard = self.now;
         let takes_up = before.state == State::Idle && matches!(frame.message, Message::Setpoint(_));
-        if takes_up || matches!(frame.message, Message::Command(_, 7)) {
-            // Another hinge may be moved in between, or another sheet taken up, so that an operator's word counts for this one
-            // again.
+        if takes_up || matches!(frame.message, Message::Command(_, 6 | 7)) {
+            // Another hinge may be moved in between, another sheet taken up, or the place forgotten, so that an operator's word
+            // counts for this one again.
             self.drives(0);
         }
         let started = before.state == State::Ready && after.state == State::Running;
