@@ -4,8 +4,8 @@
 //! that many executions, counted from number FIRST. This profile checks for overflow. A failure names its execution:
 //! the same command with that number as FIRST and 1 execution repeats it.
 //!
-//! The same command with `-- lives 2000 [FIRST]` runs whole lives of boards, up to the first that fails; a failure names its
-//! seed, to be taken as FIRST.
+//! `-- lives 2000 [FIRST]` in place of the numbers runs whole lives of boards, up to the first that fails. A failure names its
+//! seed, which FIRST takes.
 
 #[path = "../tests/it/fuzz/execution.rs"]
 mod execution;

@@ -219,7 +219,7 @@ impl<'a, P: Protection> Life<'a, P> {
             off.fold(0.0, f32::max)
         });
         let moves = matches!(condition.state, State::Running | State::Holding);
-        // What still brakes, and what holds only as long as its cause, counts as a motion.
+        // Brakes, and a hold that lasts only as long as its cause, count as a motion.
         let rests = !moves || self.rests > 500 && !condition.reason.passes();
         let most = MOST_OFF[usize::from(!rests)];
         self.off = if self.exact && off > most + 1e-3 {
