@@ -40,7 +40,7 @@ impl Machine {
         let trajectory = TrajectoryView::new(
             path::INTERPOLATION,
             path::GROUPS,
-            path::TIMES,
+            path::SPANS,
             path::ANGLES,
             path::RATES,
             path::WEIGHTS,
@@ -89,7 +89,7 @@ impl Machine {
         });
         Some(Setpoint {
             number: u32::try_from(number).ok()?,
-            time: knot.time,
+            span: knot.span,
             last: number + 1 == self.trajectory.len(),
             nodes: nodes.collect(),
         })

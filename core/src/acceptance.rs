@@ -41,8 +41,8 @@ pub struct SheetView<'a, T> {
 pub struct Setpoint<T, const GROUPS: usize> {
     /// Number of the knot in its path.
     pub number: u32,
-    /// Seconds since the start of the path.
-    pub time: T,
+    /// Seconds since the knot before. They do not count at the first setpoint that is followed.
+    pub span: T,
     /// `true` if the path ends here.
     pub last: bool,
     /// Angle, rate and weight of each group; weight 1 with rate 0 if the interpolation has no weights.
@@ -62,7 +62,7 @@ pub enum Refusal {
     Sequence(u32),
     /// The setpoint does not have one angle for each group.
     Groups,
-    /// The time, or a number of this group, is infinite or NaN.
+    /// The span, or a number of this group, is infinite or NaN.
     NotFinite(u16),
     /// This group is at half a turn, where its interpolation has a pole.
     HalfTurn(u16),
@@ -145,10 +145,10 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     if next.nodes.len() != sheet.limits.len() || sheet.stars.unknowns() != sheet.limits.len() {
         return Err(Refusal::Groups);
     }
-    if !next.time.is_finite() {
+    if !next.span.is_finite() {
         return Err(Refusal::NotFinite(0));
     }
-    if before.is_some_and(|before| before.time >= next.time) {
+    if before.is_some() && next.span <= T::zero() {
         return Err(Refusal::Order);
     }
     let mut angles = [T::zero(); GROUPS];
@@ -168,7 +168,7 @@ pub(crate) fn check_places<T: Scalar, const GROUPS: usize>(
     let Some(before) = before else {
         return Ok(());
     };
-    let span = next.time - before.time;
+    let span = next.span;
     let ways = before.nodes.iter().zip(pairs(next, sheet));
     for (group, (from, (to, limits))) in groups(ways) {
         let curve = Curve::between(sheet.interpolation, span, *from, *to);
@@ -197,10 +197,9 @@ pub(crate) fn check_bounds<T: Scalar, const GROUPS: usize>(
     let Some(before) = before else {
         return Ok(true);
     };
-    let span = next.time - before.time;
     let curve = |group: usize| {
         let (from, to) = (before.nodes.get(group)?, next.nodes.get(group)?);
-        Some(Curve::between(sheet.interpolation, span, *from, *to))
+        Some(Curve::between(sheet.interpolation, next.span, *from, *to))
     };
     go_on(sheet.stars, &curve, sheet.closure, progress, parts)
 }

@@ -5,34 +5,40 @@
 //! | value | type | meaning |
 //! |---|---|---|
 //! | magic | `[u8; 4]` | `FPTJ` |
-//! | version | `u8` | 3 |
+//! | version | `u8` | 4 |
 //! | interpolation | [`Interpolation`] | how the motion between knots is made |
 //! | limits | `Vec<[f32; 4]>` | a group: lower and upper angle, speed, acceleration |
 //! | hinges | `Vec<u32>` | a hinge: twice its group, and 1 more if it turns the opposite way |
 //! | spokes | `Vec<(u32, [f32; 2])>` | a spoke of an essential vertex: four times its group, 2 more if it is the last of its vertex, 1 more if it turns the opposite way; its direction |
 //! | closure | `f32` | the largest closure residual that a commanded configuration has, rounding included |
-//! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | time; a group: angle, rate and, where N is 4, weight and its rate |
+//! | knots | `Vec<(f32, [[f32; N]; GROUPS])>` | seconds since the knot before, 0 at the first; a group: angle, rate and, where N is 4, weight and its rate |
 //! | most lag | `f32` | distance between a hinge and its command from which on the motion holds; infinite for that of the controller |
 //! | gaps | `Vec<f32>` | a hinge: gap of the sheet for each radian by which it alone is off, median edges; of all hinges or none |
+//! | path | `[u8; 4]` | number that tells this path from others: a checksum of hinges, spokes and knots, little endian |
 //! | checksum | `[u8; 4]` | CRC-32 of all bytes before, little endian |
 //!
 //! N is 4 for [`Interpolation::Homogeneous`] and 2 for all others. Units are radians and seconds throughout. All knots
-//! have the same size, so that a reader finds each knot without reading those before it. Files of version 2 have no most lag
-//! and no gaps.
+//! have the same size, so that a reader finds each knot without reading those before it. In files of versions 2 and 3 a knot
+//! has the seconds since the start, and there is no number of the path; those of version 2 have no most lag and no gaps.
 
 use core::fmt;
 
 use crate::checksum::{checksum, checksum_on};
 use crate::curve::{Interpolation, Node};
 use crate::trajectory::{TrajectoryError, TrajectoryView, check_knot};
+use crate::wire::path::{Content as _, PathOnSheet};
 use crate::{GroupLimits, Membership, Spoke, StarsView};
 
 /// First bytes of a file.
 pub const MAGIC: [u8; 4] = *b"FPTJ";
 /// Version that is written.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 /// Oldest version that is read.
 pub const OLDEST_VERSION: u8 = 2;
+/// Oldest versions of which knots have spans and files the number of their path, and of which files have the cost of hinges that
+/// lag.
+const SPANS_VERSION: u8 = 4;
+const COST_VERSION: u8 = 3;
 
 /// Reason why bytes are not a trajectory, or why a trajectory cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +75,8 @@ pub enum FileError {
     MostLag,
     /// The gap of the hinge of this number is missing, has no hinge, is negative or not finite.
     Gap(usize),
+    /// The number of the path is not this one, which is that of its hinges, spokes and knots.
+    Path(u32),
     /// The angle of this group at this knot is beyond its limits.
     Angle {
         /// Number of the knot.
@@ -110,6 +118,7 @@ impl fmt::Display for FileError {
                 f,
                 "gap of hinge {hinge}: expected a finite number from 0 on for each hinge, or none"
             ),
+            Self::Path(number) => write!(f, "number of the path: expected {number:08x}"),
             Self::Angle { knot, group } => {
                 write!(
                     f,
@@ -186,7 +195,7 @@ pub fn write(
     out.floats(&[closure]);
     out.count(trajectory.len());
     for knot in (0..trajectory.len()).filter_map(|index| trajectory.knot(index)) {
-        out.floats(&[knot.time]);
+        out.floats(&[knot.span]);
         let mut weights = knot.weights.iter();
         for (&angle, &rate) in knot.angles.iter().zip(knot.rates) {
             out.floats(&[angle, rate]);
@@ -198,6 +207,13 @@ pub fn write(
     out.floats(&[cost.most_lag]);
     out.count(cost.gaps.len());
     out.floats(cost.gaps);
+    let content = PathOnSheet {
+        limits,
+        hinges,
+        stars,
+        path: trajectory,
+    };
+    out.bytes(&content.number().to_le_bytes());
     let checksum = out.sum.to_le_bytes();
     (out.sink)(&checksum);
     Ok(())
@@ -303,11 +319,15 @@ pub struct TrajectoryFile<'a> {
     /// One varint and two numbers for each spoke.
     spoke_codes: &'a [u8],
     closure: f32,
+    /// `true` if a record begins with the time of the knot instead of its span.
+    is_timed: bool,
     /// One record for each knot.
     records: &'a [[u8; 4]],
     most_lag: f32,
     /// One number for each hinge, or none.
     gaps: &'a [[u8; 4]],
+    /// Number of the path.
+    path: u32,
 }
 
 impl<'a> TrajectoryFile<'a> {
@@ -353,16 +373,23 @@ impl<'a> TrajectoryFile<'a> {
             spokes,
             spoke_codes,
             closure,
+            is_timed: version < SPANS_VERSION,
             records: &[],
             most_lag: f32::INFINITY,
             gaps: &[],
+            path: 0,
         };
         file.records = cursor.floats(knots, file.record())?;
-        if version > OLDEST_VERSION {
+        if version >= COST_VERSION {
             file.most_lag = f32::from_le_bytes(cursor.array()?);
             let gaps = cursor.count()?;
             file.gaps = cursor.floats(gaps, 1)?;
         }
+        let path = if file.is_timed {
+            None
+        } else {
+            Some(u32::from_le_bytes(cursor.array()?))
+        };
         let body = bytes.get(..cursor.at).unwrap_or(&[]);
         let sum = u32::from_le_bytes(cursor.array()?);
         if cursor.at < bytes.len() {
@@ -372,6 +399,10 @@ impl<'a> TrajectoryFile<'a> {
             return Err(FileError::Checksum);
         }
         file.check()?;
+        file.path = file.number();
+        if path.is_some_and(|path| path != file.path) {
+            return Err(FileError::Path(file.path));
+        }
         Ok(file)
     }
 
@@ -397,14 +428,12 @@ impl<'a> TrajectoryFile<'a> {
             return Err(FileError::Closure);
         }
         check_cost(self.most_lag, self.hinges, self.gaps())?;
-        let mut before = None;
         for index in 0..self.knots {
             let missing = FileError::Knot(TrajectoryError::Width(index));
-            let time = self.time(index).ok_or(missing)?;
+            let span = self.span(index).ok_or(missing)?;
             let nodes = (0..self.groups()).filter_map(|group| self.node(index, group));
-            let checked = check_knot(self.interpolation, index, before, time, nodes.clone());
+            let checked = check_knot(self.interpolation, index, span, nodes.clone());
             checked.map_err(FileError::Knot)?;
-            before = Some(time);
             let mut limited = (0..).map_while(|group| self.limits(group)).zip(nodes);
             if let Some(group) = limited.position(|(limits, node)| !limits.allow(node.angle)) {
                 return Err(FileError::Angle { knot: index, group });
@@ -488,10 +517,21 @@ impl<'a> TrajectoryFile<'a> {
         self.gaps.iter().copied().map(f32::from_le_bytes)
     }
 
-    /// Returns the time of a knot, in seconds since the start.
+    /// Returns the number that tells this path from others: [`SheetHead::path`](crate::wire::message::SheetHead::path).
     #[must_use]
-    pub fn time(&self, knot: usize) -> Option<f32> {
-        self.number(knot, 0)
+    pub fn path(&self) -> u32 {
+        self.path
+    }
+
+    /// Returns the seconds of a knot since the knot before; 0 at the first knot.
+    #[must_use]
+    pub fn span(&self, knot: usize) -> Option<f32> {
+        let number = self.value(knot, 0)?;
+        match knot.checked_sub(1) {
+            Some(before) if self.is_timed => Some(number - self.value(before, 0)?),
+            None if self.is_timed => Some(0.0),
+            _ => Some(number),
+        }
     }
 
     /// Returns angle and rate of a group at a knot, with weight 1 if the interpolation has no weights.
@@ -503,13 +543,13 @@ impl<'a> TrajectoryFile<'a> {
         let width = self.interpolation.width();
         let place = 1 + group * width;
         let weight = if width == 4 {
-            [self.number(knot, place + 2)?, self.number(knot, place + 3)?]
+            [self.value(knot, place + 2)?, self.value(knot, place + 3)?]
         } else {
             [1.0, 0.0]
         };
         Some(Node {
-            angle: self.number(knot, place)?,
-            rate: self.number(knot, place + 1)?,
+            angle: self.value(knot, place)?,
+            rate: self.value(knot, place + 1)?,
             weight,
         })
     }
@@ -520,7 +560,7 @@ impl<'a> TrajectoryFile<'a> {
     }
 
     /// Returns number `place` of the record of a knot.
-    fn number(&self, knot: usize, place: usize) -> Option<f32> {
+    fn value(&self, knot: usize, place: usize) -> Option<f32> {
         let index = knot.checked_mul(self.record())?.checked_add(place)?;
         self.records.get(index).copied().map(f32::from_le_bytes)
     }

@@ -17,7 +17,7 @@ import zlib
 from dataclasses import dataclass, field
 
 VERSION = 3
-SCHEMA = 0xB91A14DA  # the CRC-32 of the examples of messages and values
+SCHEMA = 0xDA8D9DB4  # the CRC-32 of the examples of messages and values
 MASK = (1 << 64) - 1
 
 # ---------------------------------------------------------------- values
@@ -162,7 +162,7 @@ def require(holds: bool, what: str) -> None:
 def read_path(data: bytes) -> Path:
     """Reads a `.traj` file and refuses one that breaks a rule."""
     require(data[:4] == b"FPTJ", "byte 0: not a .traj file")
-    require(data[4:5] in (b"\2", b"\3"), "byte 4: another version")
+    require(data[4:5] in (b"\2", b"\3", b"\4"), "byte 4: another version")
     require(len(data) > 9 and zlib.crc32(data[:-4]) == int.from_bytes(data[-4:], "little"), "wrong checksum")
     reader = Reader(data[:-4], 5)
     interpolation = reader.varint(32)
@@ -175,11 +175,16 @@ def read_path(data: bytes) -> Path:
     path = Path(interpolation, limits, hinges, spokes, closure, [])
     for _ in range(reader.varint(32)):
         path.knots.append((reader.floats(1)[0], [reader.floats(path.numbers) for _ in range(groups)]))
-    if data[4] == 3:
+    if data[4] < 4:
+        times = [at for at, _ in path.knots]
+        path.knots = [(at - before, groups) for before, (at, groups) in zip(times[:1] + times, path.knots)]
+    if data[4] > 2:
         path.most_lag, path.gaps = reader.floats(1)[0], reader.floats(reader.varint(32))
+    number = int.from_bytes(reader.take(4), "little") if data[4] > 3 else path_number(path)
     require(reader.at == len(data) - 4, f"byte {reader.at}: the file is too long")
     check_sheet(path)
     check_knots(path)
+    require(number == path_number(path), "the number of the path is not that of its numbers")
     return path
 
 
@@ -202,12 +207,11 @@ def check_sheet(path: Path) -> None:
 
 
 def check_knots(path: Path) -> None:
-    """Refuses wrong times, angles and weights."""
-    before = -math.inf
+    """Refuses wrong spans, angles and weights."""
     half_turn = struct.unpack("<f", struct.pack("<f", math.pi))[0]
-    for knot, (at, groups) in enumerate(path.knots):
-        require(math.isfinite(at) and at > before, f"knot {knot}: its time is not later than the one before")
-        before = at
+    for knot, (span, groups) in enumerate(path.knots):
+        later = span > 0 if knot else span == 0
+        require(math.isfinite(span) and later, f"knot {knot}: its span is not above 0, or 0 at the first knot")
         for group, values in enumerate(groups):
             where = f"knot {knot}, group {group}"
             require(all(map(math.isfinite, values)), f"{where}: a number that is not finite")
@@ -227,8 +231,8 @@ def path_number(path: Path) -> int:
     """Computes the number that tells this path from others."""
     data = packed_hinges(path)[0]
     data += b"".join(struct.pack("<Iff", *spoke) for spoke in path.spokes)
-    for at, groups in path.knots:
-        values = [at, *[group[0] for group in groups], *[group[1] for group in groups]]
+    for span, groups in path.knots:
+        values = [span, *[group[0] for group in groups], *[group[1] for group in groups]]
         values += [number for group in groups for number in group[2:]]
         data += struct.pack(f"<{len(values)}f", *values)
     return zlib.crc32(data, path.interpolation) or 1
@@ -251,10 +255,10 @@ def path_items(path: Path, knot: int, behind: float) -> list[tuple]:
     items += [("Hinges", piece) for piece in pieces(codes, 208 // unit * unit)]
     spokes = b"".join(struct.pack("<Hff", *spoke) for spoke in path.spokes)
     items += [("Spokes", piece) for piece in pieces(spokes, 200)]
-    for number, (at, groups) in list(enumerate(path.knots))[knot:]:
+    for number, (span, groups) in list(enumerate(path.knots))[knot:]:
         *first, last = pieces(b"".join(struct.pack(f"<{path.numbers}f", *group) for group in groups), 208)
         items += [("Nodes", piece) for piece in first]
-        items.append(("Setpoint", number, at, number == len(path.knots) - 1, last))
+        items.append(("Setpoint", number, span, number == len(path.knots) - 1, last))
     return items
 
 
@@ -280,7 +284,7 @@ def cubic(s: float, span: float, a: float, da: float, b: float, db: float) -> fl
 def angles_on(path: Path, knot: int, behind: float) -> list[float]:
     """Computes all angles some seconds behind a knot. The formulas are guesses that a controller has confirmed."""
     knot, later = min(knot, len(path.knots) - 1), min(knot + 1, len(path.knots) - 1)
-    span = path.knots[later][0] - path.knots[knot][0] or 1.0
+    span = path.knots[later][0] or 1.0
     s, out = min(max(behind / span, 0.0), 1.0), []
     for (a, da, *m), (b, db, *n) in zip(path.knots[knot][1], path.knots[later][1]):
         if path.interpolation == 0:
@@ -794,7 +798,7 @@ Item 300 Sheet Hermite 2 1104 4 0.001 7 200 0.5 0.125
 Item 300 Limits 00000000 0000c03f 0000003f 00000040
 Item 300 Hinges 06
 Item 300 Spokes 0000 0000803f 00000000
-Item 300 Setpoint 300 2.0 True 0000803f 00000000
+Item 300 Setpoint 300 0.5 True 0000803f 00000000
 Item 300 Nodes 0000803f 00000000
 Command 2 Hold
 Alive

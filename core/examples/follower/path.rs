@@ -6,10 +6,10 @@ pub const INTERPOLATION: foldpath_core::Interpolation = foldpath_core::Interpola
 pub const GROUPS: usize = 2;
 /// Largest closure residual of a commanded configuration.
 pub const CLOSURE: f32 = 2.123852e-6;
-/// Seconds of the knots.
+/// Seconds of the knots since the knot before, 0 at the first.
 #[allow(clippy::approx_constant)]
-pub const TIMES: &[f32] = &[
-    0.0, 4.050696, 5.3121786, 6.8837395, 8.299102, 10.101442, 11.112787, 14.247808,
+pub const SPANS: &[f32] = &[
+    0.0, 4.050696, 1.2614825, 1.5715609, 1.4153627, 1.8023404, 1.0113451, 3.1350207,
 ];
 /// Fold angles in radians, a row a knot.
 #[allow(clippy::approx_constant)]

@@ -72,38 +72,37 @@ enum Stance {
 #[repr(C)]
 pub struct Follower<T, const GROUPS: usize, const KNOTS: usize> {
     options: Options<T>,
-    state: State,
     /// Reason other than the stop line that holds the motion until [`resume`](Follower::resume).
     latch: Reason,
+    state: State,
     /// `line`: `true` while the stop line is drawn. `stopped`: `true` from then on until [`resume`](Follower::resume).
     line: bool,
     stopped: bool,
     /// `true` if the last tick came late.
     is_late: bool,
+    /// `true` if the last setpoint has come.
+    ended: bool,
+    stance: Stance,
+    /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
+    is_on_path: bool,
+    /// `true` if the groups stand beside the path, because an approach was broken off.
+    is_off_path: bool,
+    /// Number of the essential vertex that is guarded next.
+    guarded: u16,
     /// Failure, if the state is [`State::Faulted`].
     fault: Option<Fault>,
     clock: PathClock<T>,
-    /// Largest path time, seconds, if there is a bound.
-    lease: Option<T>,
+    /// Place that the motion may not pass, if there is one.
+    lease: Option<FollowerPosition<T>>,
+    next: u32,
     now: u64,
     heard: u64,
     lag: LagWatch<T>,
-    /// Number of the essential vertex that is guarded next.
-    guarded: u16,
-
-    next: u32,
-    ended: bool,
-
     groups: usize,
-    stance: Stance,
     /// Time when the path was loaded, microseconds.
     loaded_at: u64,
-    /// `true` if the angles are those of the position in the queue. Otherwise they are those of `last_position`.
-    is_on_path: bool,
     /// Position on the path before.
     last_position: FollowerPosition<T>,
-    /// `true` if the groups stand beside the path, because an approach was broken off.
-    is_off_path: bool,
     /// Measurements made while it is not known where the groups stand.
     survey: Survey<T, GROUPS>,
     angles: [T; GROUPS],
@@ -279,11 +278,11 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
         self.stopped || self.latch != Reason::None
     }
 
-    /// Bounds the path time from outside: the motion comes to rest there, and goes on when the bound has grown. `None`
+    /// Bounds the path from outside: the motion comes to rest at this place, and goes on when the bound has grown. `None`
     /// removes the bound. A bound that shrinks below the braking distance stops the motion at once, but never moves it
     /// back.
-    pub fn lease(&mut self, seconds: Option<T>) {
-        self.lease = seconds;
+    pub fn lease(&mut self, place: Option<FollowerPosition<T>>) {
+        self.lease = place;
     }
 
     /// Takes up a new path on this sheet, from its beginning or from a position on it. Drops the path before.

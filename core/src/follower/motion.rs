@@ -93,7 +93,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Follower<T, GROUPS, KNO
     /// well until the bound lets the path begin.
     #[inline(never)]
     pub(super) fn ahead(&self) -> T {
-        let leased = self.lease.map_or(T::MAX, |lease| lease - self.queue.time());
+        let leased = self.lease.map_or(T::MAX, |place| self.queue.until(place));
         if !self.is_approaching() {
             self.left().min(leased.max(T::zero()))
         } else if leased > T::zero() {

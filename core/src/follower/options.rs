@@ -38,6 +38,9 @@ pub struct Options<T> {
     pub fresh: u32,
     /// Speed at which the groups approach the beginning of a path, radians per second.
     pub approach: T,
+    /// Largest closure residual of a sheet that a controller takes (dimensionless). Nothing that a host asks for is commanded
+    /// with more, but for bounds and rounding.
+    pub closure: T,
 }
 
 const fn is_positive(number: f32) -> bool {
@@ -45,6 +48,8 @@ const fn is_positive(number: f32) -> bool {
 }
 
 impl Options<f32> {
+    /// Largest [`closure`](Self::closure): beyond it a vertex is open by 6 degrees, and no check of closure means anything.
+    pub const MOST_CLOSURE: f32 = 0.1;
     /// The default options, for constants.
     pub const DEFAULT: Self = Self {
         clock: ClockLimits {
@@ -61,10 +66,11 @@ impl Options<f32> {
         spread: 0.05,
         fresh: 1_000_000,
         approach: 0.1,
+        closure: 1e-3,
     };
 
-    /// Checks the options: each has to be finite and above 0, `most_lag` above `lag`, and `reach` no smaller than
-    /// `jump`. In a constant, an option that is not sound does not compile:
+    /// Checks the options: each has to be finite and above 0, `most_lag` above `lag`, `reach` no smaller than `jump`, and
+    /// `closure` at most [`MOST_CLOSURE`](Self::MOST_CLOSURE). In a constant, an option that is not sound does not compile:
     ///
     /// ```
     /// use foldpath_core::follower::{CheckedOptions, Options};
@@ -109,6 +115,11 @@ impl Options<f32> {
             ("spread", is_positive(self.spread), POSITIVE),
             ("fresh", self.fresh > 0, TIME),
             ("approach", is_positive(self.approach), POSITIVE),
+            (
+                "closure",
+                is_positive(self.closure) && self.closure <= Self::MOST_CLOSURE,
+                "a residual above 0, at most 0.1",
+            ),
         ];
         let mut rest: &[_] = &rules;
         while let [(option, is_kept, expected), behind @ ..] = rest {
@@ -140,6 +151,7 @@ impl<T: Scalar> Default for Options<T> {
             spread: number(default.spread),
             fresh: default.fresh,
             approach: number(default.approach),
+            closure: number(default.closure),
         }
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Queue<T, const GROUPS: usize, const KNOTS: usize> {
     /// Duration of the segment behind the first setpoint (`span`), and the part of it that has passed (`into`), seconds.
     span: T,
     into: T,
+    /// Duration of all segments behind that one, seconds.
+    rest: T,
     /// Seconds that rounding has kept out of `into` (compensated summation).
     carry: T,
     /// Curves of that segment.
@@ -43,6 +45,7 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
             curves: [Curve::Angle([T::zero(); 4]); GROUPS],
             span: T::zero(),
             into: T::zero(),
+            rest: T::zero(),
             carry: T::zero(),
         }
     }
@@ -50,7 +53,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     /// Forgets all setpoints.
     pub(super) fn clear(&mut self) {
         self.setpoints.clear();
-        (self.span, self.into, self.carry) = (T::zero(), T::zero(), T::zero());
+        (self.into, self.carry) = (T::zero(), T::zero());
+        self.enter();
     }
 
     /// Begins a path on this sheet, of which the first `into` seconds behind the first setpoint have passed.
@@ -71,10 +75,13 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
 
     /// Adds a setpoint that has been checked.
     pub(super) fn push(&mut self, setpoint: Setpoint<T, GROUPS>) -> Result<(), Refusal> {
+        let span = setpoint.span;
         self.setpoints
             .push_back(setpoint)
             .map_err(|_| Refusal::Full)?;
-        if self.setpoints.len() == 2 {
+        if self.setpoints.len() > 2 {
+            self.rest += span;
+        } else {
             self.enter();
         }
         Ok(())
@@ -93,12 +100,35 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
         })
     }
 
-    /// Returns the path time at the position, seconds; 0 if there is no setpoint.
+    /// Returns the seconds from the position to a place of the path: the largest number if that is behind the last setpoint,
+    /// and not above 0 if it is before the position.
     #[inline(never)]
-    pub(super) fn time(&self) -> T {
-        self.setpoints
-            .front()
-            .map_or(T::zero(), |first| first.time + self.into)
+    pub(super) fn until(&self, place: FollowerPosition<T>) -> T {
+        match (self.setpoints.front(), self.setpoints.back()) {
+            (Some(first), _) if place.knot < first.number => T::zero(),
+            (Some(first), Some(last)) if place.knot <= last.number => {
+                let way = place.into - self.into;
+                if place.knot > first.number {
+                    way + self.span + self.behind(place.knot)
+                } else {
+                    way
+                }
+            }
+            _ => T::MAX,
+        }
+    }
+
+    /// Returns the duration of the segments behind the first one up to this knot, seconds.
+    #[inline(never)]
+    fn behind(&self, knot: u32) -> T {
+        let (mut behind, mut index) = (T::zero(), 2);
+        while let Some(setpoint) = self.setpoints.get(index)
+            && setpoint.number <= knot
+        {
+            behind += setpoint.span;
+            index += 1;
+        }
+        behind
     }
 
     /// Returns the largest speed of each group, radians per second.
@@ -151,13 +181,8 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
     // Not inlined, so that an image has it once.
     #[inline(never)]
     pub(super) fn left(&self) -> T {
-        match (self.setpoints.front(), self.setpoints.back()) {
-            (Some(first), Some(last)) => {
-                let left = last.time - first.time - self.into;
-                left.max(T::zero()).min(T::MAX)
-            }
-            _ => T::zero(),
-        }
+        let left = self.span - self.into + self.rest;
+        left.max(T::zero()).min(T::MAX)
     }
 
     /// Advances the position by `step` seconds, at most to the last setpoint.
@@ -185,14 +210,15 @@ impl<T: Scalar, const GROUPS: usize, const KNOTS: usize> Queue<T, GROUPS, KNOTS>
 
     /// Makes the curves of the segment behind the first setpoint. Its duration is 0 if there is no such segment.
     fn enter(&mut self) {
-        self.span = T::zero();
-        let mut ahead = self.setpoints.iter();
-        if let (Some(from), Some(to)) = (ahead.next(), ahead.next()) {
-            self.span = to.time - from.time;
+        (self.span, self.rest) = (T::zero(), T::zero());
+        if let (Some(from), Some(to)) = (self.setpoints.front(), self.setpoints.get(1)) {
+            self.span = to.span;
             let ends = from.nodes.iter().zip(&to.nodes);
             for (curve, (from, to)) in self.curves.iter_mut().zip(ends) {
                 *curve = Curve::between(self.interpolation, self.span, *from, *to);
             }
+            // Summed anew, so that no rounding error outlasts the queue.
+            self.rest = self.behind(u32::MAX);
         }
     }
 

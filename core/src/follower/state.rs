@@ -100,7 +100,7 @@ pub enum Reason {
     Fault(Fault),
     /// The groups slowly approach the beginning of the path.
     Approach,
-    /// The path time has reached the bound that was set from outside.
+    /// The motion has reached the place that was set from outside as its bound.
     Lease,
     /// The last tick came later than [`Options::longest_tick`](crate::follower::Options::longest_tick), so that a part of the
     /// time does not count.
@@ -120,7 +120,7 @@ impl fmt::Display for Reason {
             Self::Refused(refusal) => return write!(f, "a setpoint was refused: {refusal}"),
             Self::Fault(fault) => return fault.fmt(f),
             Self::Approach => "the groups approach the beginning of the path",
-            Self::Lease => "the path time has reached its bound",
+            Self::Lease => "the motion has reached its bound",
             Self::LateTick => "the controller's ticks come late",
         })
     }

@@ -2,7 +2,7 @@
 
 use crate::trajectory_file::TrajectoryFile;
 use crate::wire::path::{Content, Items};
-use crate::{GroupLimits, Membership, Node};
+use crate::{GroupLimits, Interpolation, Membership, Node};
 
 /// The items of a trajectory file, from a place on its path: the same as those of
 /// [`PathItems`](crate::wire::path::PathItems) of the same path, with the same number of the path.
@@ -10,10 +10,10 @@ pub type FileItems<'a> = Items<TrajectoryFile<'a>>;
 
 impl<'a> FileItems<'a> {
     /// Creates the items of a file from the beginning of its path on. Returns `None` if there are more than 2¹⁴ groups,
-    /// hinges or spokes, or no knot. Cost: a checksum over all numbers of the file.
+    /// hinges or spokes, or no knot.
     #[must_use]
     pub fn new(file: TrajectoryFile<'a>) -> Option<Self> {
-        let items = Self::of(file, file.interpolation(), file.closure())?;
+        let items = Self::of(file, file.closure(), file.path())?;
         Some(items.with_most_lag(file.most_lag()))
     }
 }
@@ -36,8 +36,16 @@ impl Content for TrajectoryFile<'_> {
         spokes.map(|(spoke, last)| (spoke.code(last), spoke.direction))
     }
 
-    fn time(&self, knot: usize) -> Option<f32> {
-        self.time(knot)
+    fn interpolation(&self) -> Interpolation {
+        self.interpolation()
+    }
+
+    fn groups(&self) -> usize {
+        self.groups()
+    }
+
+    fn span(&self, knot: usize) -> Option<f32> {
+        self.span(knot)
     }
 
     fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {

@@ -16,7 +16,7 @@ use crate::numbers::{Numbers, number};
 pub const VERSION: u16 = 3;
 /// CRC-32 of the examples of all messages in `firmware-sim/PROTOCOL.md`, one behind the other. It changes with the
 /// encoding even if someone forgets to raise the version.
-pub const SCHEMA: u32 = 0xb91a_14da;
+pub const SCHEMA: u32 = 0xda8d_9db4;
 
 /// A message from the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,8 +122,8 @@ pub struct SetpointBytes<'a> {
     /// Number of the knot in its path.
     #[serde(with = "number")]
     pub number: u32,
-    /// Seconds since the start of the path.
-    pub time: f32,
+    /// Seconds since the knot before; 0 at the first knot.
+    pub span: f32,
     /// `true` if the path ends here.
     pub last: bool,
     /// Angle and rate of each group, and if the interpolation has weights, its weight and the weight's rate; 4 bytes

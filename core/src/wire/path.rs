@@ -54,9 +54,9 @@ pub fn limits(bytes: &[u8; 16]) -> GroupLimits {
 /// Returns the number of bits of a hinge's code in a sheet of `groups` groups: the fewest that hold all numbers below
 /// 2 · `groups`.
 #[must_use]
-pub fn hinge_bits(groups: u16) -> NonZero<usize> {
-    let largest = (2 * u32::from(groups)).saturating_sub(1);
-    NonZero::new((u32::BITS - largest.leading_zeros()) as usize).unwrap_or(NonZero::<usize>::MIN)
+pub fn hinge_bits(groups: usize) -> NonZero<usize> {
+    let largest = (2 * groups).saturating_sub(1);
+    NonZero::new((usize::BITS - largest.leading_zeros()) as usize).unwrap_or(NonZero::<usize>::MIN)
 }
 
 /// Decodes hinge codes of `bits` bits each, the lowest bits first. Bits left over in the last byte are dropped.
@@ -98,10 +98,10 @@ pub type PathItems<'a> = Items<PathOnSheet<'a>>;
 /// A path on a sheet, in borrowed memory.
 #[derive(Clone, Copy, Debug)]
 pub struct PathOnSheet<'a> {
-    limits: &'a [GroupLimits],
-    hinges: &'a [Membership],
-    stars: StarsView<'a, f32>,
-    path: TrajectoryView<'a, f32>,
+    pub(crate) limits: &'a [GroupLimits],
+    pub(crate) hinges: &'a [Membership],
+    pub(crate) stars: StarsView<'a, f32>,
+    pub(crate) path: TrajectoryView<'a, f32>,
 }
 
 impl<'a> PathItems<'a> {
@@ -131,32 +131,31 @@ impl<'a> PathItems<'a> {
             stars,
             path,
         };
-        Self::of(content, path.interpolation(), closure)?.at(place)
+        Self::of(content, closure, content.number())?.at(place)
     }
 }
 
 #[allow(private_bounds, reason = "only this crate knows what can be sent")]
 impl<C: Content> Items<C> {
-    /// Creates the items from the first knot on, if there is one. Cost: a checksum over all numbers.
-    pub(super) fn of(content: C, interpolation: Interpolation, closure: f32) -> Option<Self> {
+    /// Creates the items of the path of this number from the first knot on, if there is one.
+    pub(super) fn of(content: C, closure: f32, path: u32) -> Option<Self> {
         let small = |count: usize| u16::try_from(count).ok().filter(|&count| count <= 1 << 14);
         let place = FollowerPosition::default();
         let head = SheetHead {
-            interpolation,
-            groups: small(content.limits().count())?,
+            interpolation: content.interpolation(),
+            groups: small(content.groups())?,
             hinges: small(content.hinges().count())?,
             spokes: small(content.spokes().count())?,
             closure,
-            path: 0,
+            path,
             place,
             most_lag: f32::INFINITY,
         };
-        let mut items = Self {
+        let items = Self {
             head,
             content,
             first: 0,
         };
-        items.head.path = items.checksum();
         items.at(place)
     }
 
@@ -208,7 +207,7 @@ impl<C: Content> Items<C> {
         let Some(before) = facing.checked_sub(1).filter(|_| place.into > 0.0) else {
             return at(facing, 0.0);
         };
-        let span = self.content.time(facing)? - self.content.time(before)?;
+        let span = self.content.span(facing)?;
         at(before, (span - place.into).max(0.0))
     }
 
@@ -230,46 +229,125 @@ impl<C: Content> Items<C> {
         self.head() + (self.content.knots() - self.first) * self.pieces()
     }
 
-    /// Returns the checksum of all numbers of the path and its sheet, the limits aside, or 1 if it is 0.
-    fn checksum(&self) -> u32 {
-        let (content, kind) = (&self.content, self.head.interpolation);
-        let mut sum = u32::from(kind as u8);
-        let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
-        self.hinge_bytes().for_each(|byte| add(&[byte]));
-        for (code, direction) in content.spokes() {
-            add(&code.to_le_bytes());
-            direction.iter().for_each(|x| add(&x.to_le_bytes()));
-        }
-        for knot in 0..content.knots() {
-            if let Some(time) = content.time(knot) {
-                add(&time.to_le_bytes());
-            }
-            let nodes = || self.nodes(knot);
-            nodes().for_each(|node| add(&node.angle.to_le_bytes()));
-            nodes().for_each(|node| add(&node.rate.to_le_bytes()));
-            if kind.width() == 4 {
-                let weights = nodes().flat_map(|node| node.weight);
-                weights.for_each(|number| add(&number.to_le_bytes()));
-            }
-        }
-        sum.max(1)
-    }
-
-    /// Iterates over what the groups do at a knot.
-    fn nodes(&self, knot: usize) -> impl Iterator<Item = Node<f32>> {
-        let groups = 0..usize::from(self.head.groups);
-        groups.filter_map(move |group| self.content.node(knot, group))
-    }
-
     fn limit_bytes(&self) -> impl Iterator<Item = u8> {
         let numbers = self.content.limits().flat_map(|group| group.numbers());
         numbers.flat_map(f32::to_le_bytes)
     }
 
+    fn spoke_bytes(&self) -> impl Iterator<Item = u8> {
+        self.content.spokes().flat_map(|(code, direction)| {
+            let [a, b, ..] = code.to_le_bytes();
+            let numbers = direction.into_iter().flat_map(f32::to_le_bytes);
+            [a, b].into_iter().chain(numbers)
+        })
+    }
+
+    /// Returns piece number `index` of the setpoints.
+    fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let (setpoint, piece) = (index / self.pieces(), index % self.pieces());
+        let number = self.first.checked_add(setpoint)?;
+        let span = self.content.span(number)?;
+        let numbers = self.content.nodes(number).flat_map(|node| {
+            let [weight, rate] = node.weight;
+            let numbers = [node.angle, node.rate, weight, rate];
+            numbers.into_iter().take(self.head.interpolation.width())
+        });
+        let bytes = part(
+            numbers.flat_map(f32::to_le_bytes),
+            (piece * NODES_BYTES, NODES_BYTES),
+            scratch,
+        )?;
+        if piece + 1 < self.pieces() {
+            return Some(Item::Nodes(bytes));
+        }
+        Some(Item::Setpoint(SetpointBytes {
+            number: u32::try_from(number).ok()?,
+            span,
+            last: number + 1 == self.content.knots(),
+            nodes: bytes,
+        }))
+    }
+}
+
+impl<C: Content> Source for Items<C> {
+    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
+        let mut index = usize::try_from(index).ok()?;
+        if index == 0 {
+            return Some(Item::Sheet(self.head));
+        }
+        index -= 1;
+        for (kind, (all, most)) in (0..).zip(self.head.bytes()) {
+            let count = all.div_ceil(most);
+            if index < count {
+                let range = (index * most, most);
+                return Some(match kind {
+                    0 => Item::Limits(part(self.limit_bytes(), range, scratch)?),
+                    1 => Item::Hinges(part(self.content.hinge_bytes(), range, scratch)?),
+                    _ => Item::Spokes(part(self.spoke_bytes(), range, scratch)?),
+                });
+            }
+            index -= count;
+        }
+        self.setpoint(index, scratch)
+    }
+}
+
+impl SheetHead {
+    /// Returns the number of items of a setpoint.
+    fn pieces(&self) -> usize {
+        pieces(self.interpolation, usize::from(self.groups))
+    }
+
+    /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
+    /// item.
+    fn bytes(&self) -> [(usize, usize); 3] {
+        let bits = hinge_bits(self.groups.into());
+        [
+            (usize::from(self.groups) * LIMITS_BYTES, MAX_LIMITS_BYTES),
+            // A multiple of `bits` bytes, so that whole codes fill whole bytes.
+            (
+                (usize::from(self.hinges) * bits.get()).div_ceil(8),
+                MAX_HINGES_BYTES / bits * bits.get(),
+            ),
+            (usize::from(self.spokes) * SPOKE_BYTES, MAX_SPOKES_BYTES),
+        ]
+    }
+
+    /// Returns the number of items before the first setpoint.
+    fn items(&self) -> usize {
+        let counts = self.bytes().map(|(all, most)| all.div_ceil(most));
+        1 + counts.iter().sum::<usize>()
+    }
+}
+
+/// The numbers of a path and its sheet, wherever they are kept.
+pub(crate) trait Content {
+    /// Returns the kind of motion between knots.
+    fn interpolation(&self) -> Interpolation;
+    /// Returns the number of groups.
+    fn groups(&self) -> usize;
+    /// Returns the number of knots.
+    fn knots(&self) -> usize;
+    /// Iterates over the limits of each group.
+    fn limits(&self) -> impl Iterator<Item = GroupLimits>;
+    /// Iterates over group and sign of each hinge.
+    fn hinges(&self) -> impl Iterator<Item = Membership>;
+    /// Iterates over code and direction of each spoke, see [`Spoke::from_code`].
+    fn spokes(&self) -> impl Iterator<Item = (u32, [f32; 2])>;
+    /// Returns the seconds of a knot since the knot before; 0 at the first knot.
+    fn span(&self, knot: usize) -> Option<f32>;
+    /// Returns what a group does at a knot; its weight counts only if the interpolation has weights.
+    fn node(&self, knot: usize, group: usize) -> Option<Node<f32>>;
+
+    /// Iterates over what the groups do at a knot.
+    fn nodes(&self, knot: usize) -> impl Iterator<Item = Node<f32>> {
+        (0..self.groups()).filter_map(move |group| self.node(knot, group))
+    }
+
     /// Encodes the codes of all hinges, one behind the other.
     fn hinge_bytes(&self) -> impl Iterator<Item = u8> {
-        let bits = hinge_bits(self.head.groups).get();
-        let mut hinges = self.content.hinges();
+        let bits = hinge_bits(self.groups()).get();
+        let mut hinges = self.hinges();
         // Bits that are not told yet, the first of them lowest.
         let (mut word, mut filled) = (0, 0);
         core::iter::from_fn(move || {
@@ -290,109 +368,42 @@ impl<C: Content> Items<C> {
         })
     }
 
-    fn spoke_bytes(&self) -> impl Iterator<Item = u8> {
-        self.content.spokes().flat_map(|(code, direction)| {
-            let [a, b, ..] = code.to_le_bytes();
-            let numbers = direction.into_iter().flat_map(f32::to_le_bytes);
-            [a, b].into_iter().chain(numbers)
-        })
-    }
-
-    /// Returns piece number `index` of the setpoints.
-    fn setpoint<'b>(&self, index: usize, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        let (setpoint, piece) = (index / self.pieces(), index % self.pieces());
-        let number = self.first.checked_add(setpoint)?;
-        let time = self.content.time(number)?;
-        let numbers = self.nodes(number).flat_map(|node| {
-            let [weight, rate] = node.weight;
-            let numbers = [node.angle, node.rate, weight, rate];
-            numbers.into_iter().take(self.head.interpolation.width())
-        });
-        let bytes = part(
-            numbers.flat_map(f32::to_le_bytes),
-            (piece * NODES_BYTES, NODES_BYTES),
-            scratch,
-        )?;
-        if piece + 1 < self.pieces() {
-            return Some(Item::Nodes(bytes));
+    /// Returns the number that tells this path from others: the checksum of all its numbers and those of its sheet, the limits
+    /// aside, or 1 if that is 0.
+    fn number(&self) -> u32 {
+        let kind = self.interpolation();
+        let mut sum = u32::from(kind as u8);
+        let mut add = |bytes: &[u8]| sum = checksum_on(sum, bytes);
+        self.hinge_bytes().for_each(|byte| add(&[byte]));
+        for (code, direction) in self.spokes() {
+            add(&code.to_le_bytes());
+            direction.iter().for_each(|x| add(&x.to_le_bytes()));
         }
-        Some(Item::Setpoint(SetpointBytes {
-            number: u32::try_from(number).ok()?,
-            time,
-            last: number + 1 == self.content.knots(),
-            nodes: bytes,
-        }))
-    }
-}
-
-impl<C: Content> Source for Items<C> {
-    fn item<'b>(&self, index: u64, scratch: &'b mut [u8]) -> Option<Item<'b>> {
-        let mut index = usize::try_from(index).ok()?;
-        if index == 0 {
-            return Some(Item::Sheet(self.head));
-        }
-        index -= 1;
-        for (kind, (all, most)) in (0..).zip(self.head.bytes()) {
-            let count = all.div_ceil(most);
-            if index < count {
-                let range = (index * most, most);
-                return Some(match kind {
-                    0 => Item::Limits(part(self.limit_bytes(), range, scratch)?),
-                    1 => Item::Hinges(part(self.hinge_bytes(), range, scratch)?),
-                    _ => Item::Spokes(part(self.spoke_bytes(), range, scratch)?),
-                });
+        for knot in 0..self.knots() {
+            if let Some(span) = self.span(knot) {
+                add(&span.to_le_bytes());
             }
-            index -= count;
+            let nodes = || self.nodes(knot);
+            nodes().for_each(|node| add(&node.angle.to_le_bytes()));
+            nodes().for_each(|node| add(&node.rate.to_le_bytes()));
+            if kind.width() == 4 {
+                let weights = nodes().flat_map(|node| node.weight);
+                weights.for_each(|number| add(&number.to_le_bytes()));
+            }
         }
-        self.setpoint(index, scratch)
+        sum.max(1)
     }
-}
-
-impl SheetHead {
-    /// Returns the number of items of a setpoint.
-    fn pieces(&self) -> usize {
-        pieces(self.interpolation, usize::from(self.groups))
-    }
-
-    /// Returns for limits, hinges and spokes the number of their bytes in all, and the largest number of bytes in an
-    /// item.
-    fn bytes(&self) -> [(usize, usize); 3] {
-        let bits = hinge_bits(self.groups);
-        [
-            (usize::from(self.groups) * LIMITS_BYTES, MAX_LIMITS_BYTES),
-            // A multiple of `bits` bytes, so that whole codes fill whole bytes.
-            (
-                (usize::from(self.hinges) * bits.get()).div_ceil(8),
-                MAX_HINGES_BYTES / bits * bits.get(),
-            ),
-            (usize::from(self.spokes) * SPOKE_BYTES, MAX_SPOKES_BYTES),
-        ]
-    }
-
-    /// Returns the number of items before the first setpoint.
-    fn items(&self) -> usize {
-        let counts = self.bytes().map(|(all, most)| all.div_ceil(most));
-        1 + counts.iter().sum::<usize>()
-    }
-}
-
-/// The numbers of a path and its sheet, wherever they are kept.
-pub(super) trait Content {
-    /// Returns the number of knots.
-    fn knots(&self) -> usize;
-    /// Iterates over the limits of each group.
-    fn limits(&self) -> impl Iterator<Item = GroupLimits>;
-    /// Iterates over group and sign of each hinge.
-    fn hinges(&self) -> impl Iterator<Item = Membership>;
-    /// Iterates over code and direction of each spoke, see [`Spoke::from_code`].
-    fn spokes(&self) -> impl Iterator<Item = (u32, [f32; 2])>;
-    /// Returns the time of a knot, seconds.
-    fn time(&self, knot: usize) -> Option<f32>;
-    /// Returns what a group does at a knot; its weight counts only if the interpolation has weights.
-    fn node(&self, knot: usize, group: usize) -> Option<Node<f32>>;
 }
 
 impl Content for PathOnSheet<'_> {
+    fn interpolation(&self) -> Interpolation {
+        self.path.interpolation()
+    }
+
+    fn groups(&self) -> usize {
+        self.path.groups()
+    }
+
     fn knots(&self) -> usize {
         self.path.len()
     }
@@ -410,8 +421,8 @@ impl Content for PathOnSheet<'_> {
         codes.map(|(code, spoke)| (code, spoke.direction))
     }
 
-    fn time(&self, knot: usize) -> Option<f32> {
-        Some(self.path.knot(knot)?.time)
+    fn span(&self, knot: usize) -> Option<f32> {
+        Some(self.path.knot(knot)?.span)
     }
 
     fn node(&self, knot: usize, group: usize) -> Option<Node<f32>> {

@@ -55,7 +55,7 @@ fn setpoint<T: Scalar>(number: u32) -> Setpoint<T, 2> {
     };
     Setpoint {
         number,
-        time: T::lit(time),
+        span: T::lit(STEP),
         last: number + 1 == KNOTS,
         nodes: heapless::Vec::from_array([node(0), node(1)]),
     }
@@ -241,7 +241,8 @@ fn the_whole_path_is_followed_to_its_end() {
 #[test]
 fn what_is_commanded_lies_on_the_trajectory() {
     let knots: Vec<Setpoint<f32, 2>> = (0..KNOTS).map(setpoint).collect();
-    let times: Vec<f32> = knots.iter().map(|knot| knot.time).collect();
+    let mut spans: Vec<f32> = knots.iter().map(|knot| knot.span).collect();
+    spans[0] = 0.0;
     let of = |part: fn(&Node<f32>) -> f32| -> Vec<f32> {
         knots
             .iter()
@@ -250,29 +251,29 @@ fn what_is_commanded_lies_on_the_trajectory() {
     };
     let (angles, rates) = (of(|node| node.angle), of(|node| node.rate));
     let view =
-        TrajectoryView::new(Interpolation::Hermite, 2, &times, &angles, &rates, &[]).unwrap();
+        TrajectoryView::new(Interpolation::Hermite, 2, &spans, &angles, &rates, &[]).unwrap();
     let mut run = Run::<f32>::started();
     while run.follower.state() != State::Done {
         run.tick();
-        let FollowerPosition { knot, into } = run.follower.position();
-        let time = times[knot as usize] + into;
+        let place = run.follower.position();
+        let FollowerPosition { knot, into } = place;
         let mut sampled = [0.0; 2];
-        view.sample(time, &mut sampled);
+        view.sample(place, &mut sampled);
         let pairs = sampled.iter().zip(run.follower.angles());
         for (sampled, commanded) in pairs {
-            assert!((sampled - commanded).abs() < 1e-6, "at {time}");
+            assert!((sampled - commanded).abs() < 1e-6, "at {place:?}");
         }
         let from = view.knot(knot as usize).unwrap();
         for (group, commanded) in run.follower.rates().iter().enumerate() {
             let sampled = match view.curve(knot as usize, group) {
                 Some(curve) => {
-                    let span = times[knot as usize + 1] - from.time;
+                    let span = spans[knot as usize + 1];
                     curve.derivatives(into / span)[0] / span
                 }
                 None => from.rates[group],
             };
             let rate = run.follower.rate();
-            assert!((sampled * rate - commanded).abs() < 1e-4, "at {time}");
+            assert!((sampled * rate - commanded).abs() < 1e-4, "at {place:?}");
         }
     }
 }
@@ -571,7 +572,7 @@ fn bad_setpoints_are_refused_and_hold_the_motion() {
         ("number", |s| s.number = 7, Refusal::Sequence(16)),
         ("before", |s| s.number = 15, Refusal::Sequence(16)),
         ("one angle", |s| s.nodes.truncate(1), Refusal::Groups),
-        ("time", |s| s.time = f64::NAN, Refusal::NotFinite(0)),
+        ("span", |s| s.span = f64::NAN, Refusal::NotFinite(0)),
         (
             "angle",
             |s| s.nodes[1].angle = f64::INFINITY,
@@ -583,12 +584,12 @@ fn bad_setpoints_are_refused_and_hold_the_motion() {
             Refusal::NotFinite(0),
         ),
         ("weight", |s| s.nodes[1].weight[0] = 0.0, Refusal::Weight(1)),
-        ("order", |s| s.time = 15.0 * STEP, Refusal::Order),
+        ("order", |s| s.span = 0.0, Refusal::Order),
         ("range", |s| s.nodes[0].angle = 2.71, Refusal::Range(0)),
         ("range", |s| s.nodes[1].angle = -0.2, Refusal::Range(1)),
         ("open", |s| s.nodes[1].angle += 2e-5, Refusal::Open(0)),
         ("rate", |s| s.nodes[1].rate *= 1.01, Refusal::OpenBetween(0)),
-        ("bend", |s| s.time -= STEP * 0.4, Refusal::Acceleration(0)),
+        ("bend", |s| s.span -= STEP * 0.4, Refusal::Acceleration(0)),
     ];
     for (what, change, refusal) in cases {
         let mut run = Run::<f64>::started();
@@ -664,7 +665,7 @@ fn moves<T: Scalar>(acceleration: f64, speed: f64, step: f64, from: f64) -> Resu
         };
         let next = Setpoint::<T, 1> {
             number,
-            time: T::lit(time),
+            span: T::lit(step),
             last: false,
             nodes: heapless::Vec::from_array([node]),
         };
@@ -700,7 +701,7 @@ fn rates_beside_a_line_widen_no_limit() {
     let sheet = lone(Interpolation::Linear, &limits, &none);
     let knot = |number: u8, rate| Setpoint::<f32, 1> {
         number: number.into(),
-        time: f32::from(number) * 0.1,
+        span: 0.1,
         last: number == 1,
         nodes: heapless::Vec::from_array([Node {
             angle: number.into(),
@@ -742,7 +743,7 @@ fn an_angle_that_turns_back_on_the_way_is_found() {
         let sheet = lone(Interpolation::Hermite, &limits, &none);
         let at = |number: u32, angle, rate| Setpoint::<f64, 1> {
             number,
-            time: f64::from(number),
+            span: 1.0,
             last: false,
             nodes: heapless::Vec::from_array([Node {
                 angle,
@@ -886,7 +887,7 @@ fn late_ticks_slow_the_motion_and_are_told() {
 #[test]
 fn options_that_are_not_sound_are_refused_by_name() {
     type Change = fn(&mut Options<f32>, f32);
-    let numbers: [(&str, Change); 8] = [
+    let numbers: [(&str, Change); 9] = [
         ("clock.rise", |it, value| it.clock.rise = value),
         ("clock.brake", |it, value| it.clock.brake = value),
         ("lag", |it, value| it.lag = value),
@@ -895,6 +896,7 @@ fn options_that_are_not_sound_are_refused_by_name() {
         ("reach", |it, value| it.reach = value),
         ("spread", |it, value| it.spread = value),
         ("approach", |it, value| it.approach = value),
+        ("closure", |it, value| it.closure = value),
     ];
     let times: [(&str, Change); 4] = [
         ("silence", |it, _| it.silence = 0),
@@ -915,6 +917,11 @@ fn options_that_are_not_sound_are_refused_by_name() {
         change(&mut options, 0.0);
         assert_eq!(name(options), option);
     }
+    let open = Options {
+        closure: 0.11,
+        ..Options::DEFAULT
+    };
+    assert_eq!(name(open), "closure");
     let contradictory = Options {
         lag: 0.15,
         ..Options::DEFAULT
@@ -924,6 +931,11 @@ fn options_that_are_not_sound_are_refused_by_name() {
         error.to_string(),
         "most_lag: expected a finite angle above lag"
     );
+    let open = Options {
+        closure: 0.11,
+        ..Options::DEFAULT
+    };
+    assert_eq!(name(open), "closure");
     let contradictory = Options {
         jump: 0.2,
         ..Options::DEFAULT
@@ -961,7 +973,7 @@ fn slow_clocks_and_lost_ticks_neither_jump_nor_stick() {
     run.until(State::Done);
 }
 
-/// Follows a whole Miura motion from flat towards flat-folded and returns the largest residual.
+/// Follows a whole Miura motion from flat towards flat-folded, through knots with these spans, and returns the largest residual.
 fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f64) -> f64 {
     let mut sheet = Sheet::<T>::new();
     for limits in &mut sheet.limits {
@@ -975,7 +987,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
     };
     let mut follower = Miura::<T>::new(CheckedOptions::default());
     follower.load(&view, FollowerPosition::default()).unwrap();
-    for (number, (time, nodes)) in (0..).zip(knots) {
+    for (number, (span, nodes)) in (0..).zip(knots) {
         let nodes = nodes.map(|node| Node {
             angle: T::lit(node.angle),
             rate: T::lit(node.rate),
@@ -983,7 +995,7 @@ fn exact<T: Scalar>(kind: Interpolation, knots: &[(f64, [Node<f64>; 2])], top: f
         });
         let next = Setpoint {
             number,
-            time: T::lit(*time),
+            span: T::lit(*span),
             last: number as usize + 1 == knots.len(),
             nodes: heapless::Vec::from_array(nodes),
         };
@@ -1012,7 +1024,7 @@ fn half_angles_follow_the_whole_motion_without_leaving_it() {
             rate: 2.0 * slope / (1.0 + slope * slope * t * t),
             weight: [1.0, 0.0],
         };
-        (t, [node(1.0), node(0.5)])
+        (1.0, [node(1.0), node(0.5)])
     };
     let knots = [0, 1, 2].map(straight);
     let half = Interpolation::HalfAngle;
@@ -1061,7 +1073,7 @@ fn a_long_segment_takes_its_time() {
     for number in 0..2_u8 {
         let setpoint = Setpoint {
             number: number.into(),
-            time: 2000.0 * f32::from(number),
+            span: 2000.0,
             last: number == 1,
             nodes: heapless::Vec::from_array([Node {
                 angle: number.into(),
@@ -1095,10 +1107,10 @@ fn a_path_longer_than_all_numbers_is_followed_at_its_pace() {
     let sheet = lone(Interpolation::Linear, &limits, &none);
     let mut follower = Follower::<f32, 1, 4>::new(CheckedOptions::default());
     follower.load(&sheet, FollowerPosition::default()).unwrap();
-    for (number, time) in [(0_u8, -3e38), (1, 0.0), (2, 3e38)] {
+    for number in 0..3_u8 {
         let setpoint = Setpoint {
             number: number.into(),
-            time,
+            span: 3e38,
             last: number == 2,
             nodes: heapless::Vec::from_array([Node {
                 angle: f32::from(number) / 2.0,
@@ -1140,7 +1152,7 @@ fn rounding_leaves_no_limit() {
         for number in 0..2_u8 {
             let still = Setpoint {
                 number: number.into(),
-                time: number.into(),
+                span: 1.0,
                 last: number == 1,
                 nodes: heapless::Vec::from_array([Node {
                     angle,

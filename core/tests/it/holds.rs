@@ -119,6 +119,15 @@ fn a_sensor_that_flickers_hides_no_stuck_hinge() {
     }
 }
 
+/// Returns the place that is so many seconds behind the beginning of a path whose knots are 0.1 s apart.
+fn place(seconds: f32) -> Option<FollowerPosition<f32>> {
+    let knot = (0..100_u8).rfind(|knot| f32::from(*knot) * 0.1 <= seconds)?;
+    Some(FollowerPosition {
+        knot: knot.into(),
+        into: seconds - f32::from(knot) * 0.1,
+    })
+}
+
 /// The path time stays below a bound from outside, reaches it at rest, and goes on when it grows.
 #[test]
 fn a_lease_bounds_the_path_time() {
@@ -128,7 +137,7 @@ fn a_lease_bounds_the_path_time() {
         run.load(0.0);
         run.follower.confirm().unwrap();
         let mut lease = 0.0;
-        run.follower.lease(Some(lease));
+        run.follower.lease(place(lease));
         run.follower.start().unwrap();
         let time = |run: &Run<2>| {
             let FollowerPosition { knot, into } = run.follower.position();
@@ -146,9 +155,9 @@ fn a_lease_bounds_the_path_time() {
                 rate = run.follower.rate();
             }
             lease += f32::lit(rng.uniform(0.0, 0.3));
-            run.follower.lease(Some(lease));
+            run.follower.lease(place(lease));
         }
-        run.follower.lease(Some(0.0));
+        run.follower.lease(place(0.0));
         (0..2000).for_each(|_| _ = run.tick());
         if run.follower.state() != State::Done {
             assert_eq!(
@@ -192,14 +201,14 @@ fn a_lease_holds_an_approach() {
     let mut run = Run::<2>::new();
     run.load(0.5);
     run.measure(|_| 0.45);
-    run.follower.lease(Some(0.0));
+    run.follower.lease(place(0.0));
     run.follower.start().unwrap();
     (0..300).for_each(|_| run.still());
     assert_eq!(
         (run.follower.state(), run.follower.reason()),
         (State::Holding, Reason::Lease)
     );
-    run.follower.lease(Some(0.1));
+    run.follower.lease(place(0.1));
     (0..3000).for_each(|_| _ = run.tick());
     assert!((run.follower.angles()[0] - 0.6).abs() < 1e-5);
     assert_eq!(run.follower.reason(), Reason::Lease);

@@ -23,7 +23,7 @@ fn minor(major: f64) -> f64 {
     2.0 * ((major / 2.0).tan() / 2.0).atan()
 }
 
-fn setpoint(number: u32, time: f64, major: f64, weight: [f64; 2]) -> Setpoint<f64, 2> {
+fn setpoint(number: u32, span: f64, major: f64, weight: [f64; 2]) -> Setpoint<f64, 2> {
     let node = |angle| Node {
         angle,
         rate: 0.0,
@@ -31,7 +31,7 @@ fn setpoint(number: u32, time: f64, major: f64, weight: [f64; 2]) -> Setpoint<f6
     };
     Setpoint {
         number,
-        time,
+        span,
         last: false,
         nodes: [node(major), node(minor(major))].into_iter().collect(),
     }
@@ -130,23 +130,23 @@ fn keeps_its_limits(rng: &mut Random, kind: Interpolation) -> Option<[f64; 2]> {
     let mut to = setpoint(1, rng.uniform(0.1, 2.0), start + step, weights[1]);
     if kind != Interpolation::Homogeneous {
         // The rates of a closed motion at one speed, and at either end something added to that of one group.
-        let (major, time) = (step / to.time, to.time);
+        let (major, span) = (step / to.span, to.span);
         for at in [&mut from, &mut to] {
             let tangent = (at.nodes[0].angle / 2.0).tan() / 2.0;
             let square = |tangent: f64| 1.0 + tangent * tangent;
             let minor = major / 2.0 * square(2.0 * tangent) / square(tangent);
             (at.nodes[0].rate, at.nodes[1].rate) = (major, minor);
-            let wrong = bound / time * rng.uniform(-20.0, 20.0);
+            let wrong = bound / span * rng.uniform(-20.0, 20.0);
             at.nodes[rng.below(2)].rate += if rng.chance(0.7) { wrong } else { 0.0 };
         }
     }
     takes(&sheet, Some(&from), &to).ok()?;
     let curves =
-        [0, 1].map(|group| Curve::between(kind, to.time, from.nodes[group], to.nodes[group]));
+        [0, 1].map(|group| Curve::between(kind, to.span, from.nodes[group], to.nodes[group]));
     let mut reached = [0.0_f64; 2];
     for s in (0..=1000).map(|k| f64::from(k) / 1000.0) {
         for curve in &curves {
-            let rate = curve.derivatives(s)[0].abs() / to.time;
+            let rate = curve.derivatives(s)[0].abs() / to.span;
             reached[0] = reached[0].max(rate / speed);
             assert!(curve.angle(s).abs() <= PI + 1e-3);
         }
@@ -169,8 +169,8 @@ fn an_s_between_closed_places_is_refused() {
             closure: 1e-4,
         };
         for (rate, closes) in [(0.0, true), (1e-5, true), (1e-2, false), (0.8, false)] {
-            let s = |number, time| {
-                let mut knot = setpoint(number, time, 1.2, [1.0, 0.0]);
+            let s = |number, span| {
+                let mut knot = setpoint(number, span, 1.2, [1.0, 0.0]);
                 knot.nodes[1].rate = rate;
                 knot
             };

@@ -1,6 +1,7 @@
 //! Trajectories: their samples between knots, and the input that they refuse.
 
 use foldpath_core::Interpolation::Hermite;
+use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::{Knot, TrajectoryError, TrajectoryView};
 use foldpath_core::{Curve, Interpolation, Node, Scalar};
 use foldpath_test_support::{Random, cast};
@@ -9,6 +10,11 @@ use foldpath_test_support::{Random, cast};
 fn cubic([a, b, c, d]: [f64; 4], t: f64) -> (f64, f64) {
     let value = a + t * (b + t * (c + t * d));
     (value, b + t * (2.0 * c + t * 3.0 * d))
+}
+
+/// Returns the place that is so many seconds behind the first knot.
+fn behind_first<T>(into: T) -> FollowerPosition<T> {
+    FollowerPosition { knot: 0, into }
 }
 
 fn reproduces_cubics<T: Scalar>() {
@@ -20,11 +26,11 @@ fn reproduces_cubics<T: Scalar>() {
         let knots = times.map(|t| curves.map(|curve| cubic(curve, t)));
         let angles: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.0)).collect();
         let rates: Vec<T> = knots.as_flattened().iter().map(|k| T::lit(k.1)).collect();
-        let times: [T; 5] = cast(times);
-        let view = TrajectoryView::new(Hermite, 2, &times, &angles, &rates, &[]).unwrap();
+        let spans: [T; 5] = cast([0.0, 0.75, 0.75, 0.25, 1.25]);
+        let view = TrajectoryView::new(Hermite, 2, &spans, &angles, &rates, &[]).unwrap();
         for t in (0..=96).map(|step| -1.0 + f64::from(step) / 32.0) {
             let mut sampled = [T::zero(); 2];
-            view.sample(T::lit(t), &mut sampled);
+            view.sample(behind_first(T::lit(t - times[0])), &mut sampled);
             for (sampled, curve) in sampled.iter().zip(curves) {
                 let error = (sampled.to_f64() - cubic(curve, t).0).abs();
                 // The angles are below 15, the rates times the duration below 20.
@@ -43,23 +49,23 @@ fn cubics_are_sampled_exactly() {
     reproduces_cubics::<f64>();
 }
 
-const TIMES: [f64; 2] = [1.0, 2.0];
+const SPANS: [f64; 2] = [0.0, 1.0];
 const ANGLES: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
 const RATES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 
 #[test]
 fn times_outside_get_the_nearest_knot() {
-    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
+    let view = TrajectoryView::new(Hermite, 2, &SPANS, &ANGLES, &RATES, &[]).unwrap();
     for (time, knot) in [
         (-1e9, 0),
-        (0.999, 0),
-        (1.0, 0),
-        (2.0, 1),
-        (2.001, 1),
+        (-0.001, 0),
+        (0.0, 0),
+        (1.0, 1),
+        (1.001, 1),
         (1e9, 1),
     ] {
         let mut sampled = [0.0; 2];
-        view.sample(time, &mut sampled);
+        view.sample(behind_first(time), &mut sampled);
         let expected = view.knot(knot).unwrap().angles.iter().map(|a| a.to_bits());
         assert!(
             sampled.iter().map(|a| a.to_bits()).eq(expected),
@@ -68,16 +74,16 @@ fn times_outside_get_the_nearest_knot() {
     }
     let mut untouched = [7.0];
     let empty = TrajectoryView::<f64>::new(Hermite, 1, &[], &[], &[], &[]).unwrap();
-    empty.sample(0.0, &mut untouched);
+    empty.sample(behind_first(0.0), &mut untouched);
     assert_eq!(untouched.map(f64::to_bits), [7_f64.to_bits()]);
 }
 
 #[test]
 fn a_view_lists_its_knots() {
-    let view = TrajectoryView::new(Hermite, 2, &TIMES, &ANGLES, &RATES, &[]).unwrap();
+    let view = TrajectoryView::new(Hermite, 2, &SPANS, &ANGLES, &RATES, &[]).unwrap();
     assert_eq!((view.len(), view.groups(), view.is_empty()), (2, 2, false));
     let second = Knot {
-        time: 2.0,
+        span: 1.0,
         angles: &[0.3, 0.4],
         rates: &[3.0, 4.0],
         weights: &[],
@@ -89,40 +95,44 @@ fn a_view_lists_its_knots() {
 
 #[test]
 fn a_view_refuses_bad_knots() {
-    let error = |times: [f64; 2], angles: &[f64], rates: &[f64]| {
-        TrajectoryView::new(Hermite, 2, &times, angles, rates, &[]).unwrap_err()
+    let error = |spans: [f64; 2], angles: &[f64], rates: &[f64]| {
+        TrajectoryView::new(Hermite, 2, &spans, angles, rates, &[]).unwrap_err()
     };
     assert_eq!(
-        error(TIMES, &ANGLES[..3], &RATES),
+        error(SPANS, &ANGLES[..3], &RATES),
         TrajectoryError::Width(1)
     );
     assert_eq!(
-        error(TIMES, &ANGLES, &RATES[..1]),
+        error(SPANS, &ANGLES, &RATES[..1]),
         TrajectoryError::Width(0)
     );
     let surplus = [0.0; 5];
-    assert_eq!(error(TIMES, &surplus, &RATES), TrajectoryError::Width(2));
-    assert_eq!(error(TIMES, &ANGLES, &surplus), TrajectoryError::Width(2));
+    assert_eq!(error(SPANS, &surplus, &RATES), TrajectoryError::Width(2));
+    assert_eq!(error(SPANS, &ANGLES, &surplus), TrajectoryError::Width(2));
     assert_eq!(
-        error([1.0, 1.0], &ANGLES, &RATES),
+        error([0.0, 0.0], &ANGLES, &RATES),
         TrajectoryError::Order(1)
     );
     assert_eq!(
-        error([1.0, 0.5], &ANGLES, &RATES),
+        error([0.0, -0.5], &ANGLES, &RATES),
         TrajectoryError::Order(1)
+    );
+    assert_eq!(
+        error([0.5, 1.0], &ANGLES, &RATES),
+        TrajectoryError::Order(0)
     );
     for bad in [f64::NAN, f64::INFINITY] {
         let last = [0.0, 0.0, 0.0, bad];
         assert_eq!(
-            error([1.0, bad], &ANGLES, &RATES),
+            error([0.0, bad], &ANGLES, &RATES),
             TrajectoryError::NotFinite(1)
         );
         assert_eq!(
             error([bad, 1.0], &ANGLES, &RATES),
             TrajectoryError::NotFinite(0)
         );
-        assert_eq!(error(TIMES, &last, &RATES), TrajectoryError::NotFinite(1));
-        assert_eq!(error(TIMES, &ANGLES, &last), TrajectoryError::NotFinite(1));
+        assert_eq!(error(SPANS, &last, &RATES), TrajectoryError::NotFinite(1));
+        assert_eq!(error(SPANS, &ANGLES, &last), TrajectoryError::NotFinite(1));
     }
 }
 
@@ -207,9 +217,9 @@ fn one_homogeneous_segment_folds_a_miura_flat() {
 
 #[test]
 fn a_view_refuses_what_its_interpolation_cannot_pass_through() {
-    let (times, rates) = ([0.0, 1.0], [0.0; 2]);
+    let (spans, rates) = ([0.0, 1.0], [0.0; 2]);
     let view = |kind, angles: &[f64; 2], weights: &[[f64; 2]]| {
-        TrajectoryView::new(kind, 1, &times, angles, &rates, weights).map(|_| ())
+        TrajectoryView::new(kind, 1, &spans, angles, &rates, weights).map(|_| ())
     };
     let half_turn = [0.0, core::f64::consts::PI];
     let half_angle = Interpolation::HalfAngle;

@@ -24,7 +24,7 @@ const LIMITS: [GroupLimits; 2] = [
         acceleration: 2.0,
     },
 ];
-const TIMES: [f32; 3] = [0.0, 1.0, 2.5];
+const SPANS: [f32; 3] = [0.0, 1.0, 1.5];
 const ANGLES: [f32; 6] = [0.0, 0.0, -0.5, 0.25, -1.5, 1.0];
 const RATES: [f32; 6] = [0.0, 0.125, -0.5, 0.25, 0.0, 0.0];
 const WEIGHTS: [[f32; 2]; 6] = [
@@ -64,15 +64,16 @@ const COST: LagCost<'_> = LagCost {
     most_lag: 0.125,
     gaps: &GAPS,
 };
-/// Bytes of this cost in a file.
+/// Bytes of this cost in a file, and of what stands behind it: the number of the path and the checksum.
 const COST_BYTES: usize = 4 + 1 + 4 * 3;
+const TAIL_BYTES: usize = 4 + 4;
 
 fn view(kind: Interpolation) -> TrajectoryView<'static, f32> {
     let weights: &[[f32; 2]] = match kind {
         Interpolation::Homogeneous => &WEIGHTS,
         _ => &[],
     };
-    TrajectoryView::new(kind, 2, &TIMES, &ANGLES, &RATES, weights).unwrap()
+    TrajectoryView::new(kind, 2, &SPANS, &ANGLES, &RATES, weights).unwrap()
 }
 
 fn written(kind: Interpolation) -> Vec<u8> {
@@ -106,11 +107,11 @@ fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// Asserts that the file has these times and nodes.
+/// Asserts that the file has these spans and nodes.
 fn assert_holds(file: &TrajectoryFile<'_>, view: TrajectoryView<'_, f32>) {
     for index in 0..view.len() {
         let knot = view.knot(index).unwrap();
-        assert_eq!(file.time(index), Some(knot.time));
+        assert_eq!(file.span(index), Some(knot.span));
         for group in 0..view.groups() {
             let node = Node {
                 angle: knot.angles[group],
@@ -143,24 +144,35 @@ fn what_is_written_is_read_back() {
             let expected = view(kind).curve(segment, group);
             assert_eq!(curve(&file, segment, group), expected);
         }
-        assert_eq!((file.time(3), file.limits(2)), (None, None));
+        assert_eq!((file.span(3), file.limits(2)), (None, None));
         assert_eq!((file.node(0, 2), file.node(3, 0)), (None, None));
     }
 }
 
-/// A file of version 2 ends behind its knots, and tells no cost.
+/// A file of versions 2 and 3 has times instead of spans, and no number of the path; one of version 2 ends behind its knots, and
+/// tells no cost.
 #[test]
-fn files_of_version_2_are_read() {
-    for kind in KINDS {
+fn files_of_earlier_versions_are_read() {
+    for (kind, version) in KINDS.into_iter().flat_map(|kind| [(kind, 2), (kind, 3)]) {
         let mut bytes = written(kind);
-        let end = bytes.len() - 4;
-        bytes.drain(end - COST_BYTES..end);
-        bytes[4] = 2;
+        let end = bytes.len() - TAIL_BYTES;
+        let tail = if version == 2 { COST_BYTES } else { 0 };
+        bytes.drain(end - tail..end + 4);
+        bytes[4] = version;
+        let record = 4 * (1 + 2 * kind.width());
+        for (knot, time) in [10.0, 11.0, 12.5_f32].into_iter().enumerate() {
+            bytes[PLACES[4] + knot * record..][..4].copy_from_slice(&time.to_le_bytes());
+        }
         let bytes = sealed(bytes);
         let file = TrajectoryFile::read(&bytes).unwrap();
         assert_holds(&file, view(kind));
-        assert_eq!(file.most_lag().to_bits(), f32::INFINITY.to_bits());
-        assert_eq!(file.gaps().len(), 0);
+        let (most_lag, gaps) = if version == 2 {
+            (f32::INFINITY, 0)
+        } else {
+            (COST.most_lag, 3)
+        };
+        assert_eq!(file.most_lag().to_bits(), most_lag.to_bits());
+        assert_eq!(file.gaps().len(), gaps);
         let new = written(kind);
         let new = FileItems::new(TrajectoryFile::read(&new).unwrap()).unwrap();
         let old = FileItems::new(file).unwrap();
@@ -182,6 +194,7 @@ struct Documented<const N: usize> {
     knots: Vec<(f32, [[f32; N]; 2])>,
     most_lag: f32,
     gaps: Vec<f32>,
+    path: [u8; 4],
     checksum: [u8; 4],
 }
 
@@ -192,7 +205,7 @@ fn the_file_is_the_postcard_of_its_documented_types() {
         let bytes = written(kind);
         let (file, rest) = postcard::take_from_bytes::<Documented<2>>(&bytes).unwrap();
         assert!(rest.is_empty());
-        assert_eq!((&file.magic, file.version), (b"FPTJ", 3));
+        assert_eq!((&file.magic, file.version), (b"FPTJ", 4));
         assert_eq!(file.interpolation, kind);
         assert_eq!(
             (&file.limits[..], &file.hinges[..]),
@@ -202,17 +215,19 @@ fn the_file_is_the_postcard_of_its_documented_types() {
         assert_eq!((&file.spokes[..], file.closure), (&spokes[..], CLOSURE));
         let knots = [0, 1, 2].map(|k| {
             let pair = |i: usize| [ANGLES[i], RATES[i]];
-            (TIMES[k], [pair(2 * k), pair(2 * k + 1)])
+            (SPANS[k], [pair(2 * k), pair(2 * k + 1)])
         });
         assert_eq!(file.knots, knots);
         assert_eq!((file.most_lag, &file.gaps[..]), (COST.most_lag, &GAPS[..]));
+        let number = TrajectoryFile::read(&bytes).unwrap().path();
+        assert_eq!(file.path, number.to_le_bytes());
         let expected = crc(&bytes[..bytes.len() - 4]).to_le_bytes();
         assert_eq!(file.checksum, expected);
     }
     let bytes = written(Interpolation::Homogeneous);
     let file: Documented<4> = postcard::from_bytes(&bytes).unwrap();
     let last = [4, 5].map(|i| [ANGLES[i], RATES[i], WEIGHTS[i][0], WEIGHTS[i][1]]);
-    assert_eq!(file.knots.last(), Some(&(2.5, last)));
+    assert_eq!(file.knots.last(), Some(&(1.5, last)));
 }
 
 #[test]
@@ -251,14 +266,19 @@ fn every_other_length_is_refused() {
 /// hinges and 3 spokes.
 const PLACES: [usize; 5] = [7, 40, 44, 71, 76];
 
-/// Changes a file, corrects its checksum, reads it and returns the result.
+/// Changes a file, corrects its checksum and the number of its path, reads it and returns the result.
 fn changed(kind: Interpolation, change: impl FnOnce(&mut [u8])) -> Result<(), FileError> {
     let mut bytes = written(kind);
     change(&mut bytes);
+    let mut bytes = sealed(bytes);
+    if let Err(FileError::Path(number)) = TrajectoryFile::read(&bytes) {
+        let at = bytes.len() - TAIL_BYTES;
+        bytes[at..][..4].copy_from_slice(&number.to_le_bytes());
+    }
     TrajectoryFile::read(&sealed(bytes)).map(drop)
 }
 
-/// Replaces the number at byte `at`, corrects the checksum, reads the file and returns the result.
+/// Replaces the number at byte `at`, corrects checksum and number of the path, reads the file and returns the result.
 fn with_number(kind: Interpolation, at: usize, value: f32) -> Result<(), FileError> {
     changed(kind, |bytes| {
         bytes[at..][..4].copy_from_slice(&value.to_le_bytes());
@@ -294,7 +314,7 @@ fn each_refusal_says_what_and_where() {
     let checksum = TrajectoryFile::read(&unsealed).unwrap_err();
     assert_eq!(checksum, FileError::Checksum);
 
-    let cost = written(hermite).len() - 4 - COST_BYTES;
+    let cost = written(hermite).len() - TAIL_BYTES - COST_BYTES;
     for (at, value, expected) in [
         (cost, 0.0, Err(FileError::MostLag)),
         (cost, f32::NAN, Err(FileError::MostLag)),
@@ -305,6 +325,13 @@ fn each_refusal_says_what_and_where() {
     ] {
         assert_eq!(with_number(hermite, at, value), expected, "{at} {value}");
     }
+    // The number of the path is that of its numbers.
+    let path = TrajectoryFile::read(&written(hermite)).unwrap().path();
+    let mut other = written(hermite);
+    let at = other.len() - TAIL_BYTES;
+    other[at] ^= 1;
+    let other = TrajectoryFile::read(&sealed(other)).map(drop);
+    assert_eq!(other, Err(FileError::Path(path)));
     // Two gaps for three hinges.
     let mut two = written(hermite);
     two[cost + 4] = 2;
@@ -328,6 +355,8 @@ fn each_refusal_says_what_and_where() {
         (3, hermite, 0, 0.0, Ok(())),
         (4, hermite, 0, f32::NEG_INFINITY, knot(NotFinite(0))),
         (4, hermite, 5, 0.0, knot(Order(1))),
+        (4, hermite, 5, -1.0, knot(Order(1))),
+        (4, hermite, 0, 1.0, knot(Order(0))),
         (4, hermite, 10, f32::NAN, knot(NotFinite(2))),
         (4, hermite, 7, f32::INFINITY, knot(NotFinite(1))),
         (4, hermite, 8, 1.25, beyond(1, 1)),
@@ -349,7 +378,7 @@ fn what_would_not_be_read_is_not_written() {
         let mut angles = ANGLES;
         angles[3] = angle;
         let view =
-            TrajectoryView::new(Interpolation::Hermite, 2, &TIMES, &angles, &RATES, &[]).unwrap();
+            TrajectoryView::new(Interpolation::Hermite, 2, &SPANS, &angles, &RATES, &[]).unwrap();
         written_bytes(|sink| {
             write(
                 view,
@@ -440,7 +469,7 @@ fn random_bytes_are_no_panic() {
                     .all(|(spoke, _)| spoke.group.index() < file.groups())
             );
             let last = file.len().checked_sub(1);
-            assert!(last.is_none_or(|last| file.time(last).is_some()));
+            assert!(last.is_none_or(|last| file.span(last).is_some()));
         }
     }
 }
@@ -462,9 +491,10 @@ fn the_example_of_the_protocol_is_what_it_says() {
     let bytes = example();
     let file = TrajectoryFile::read(&bytes).unwrap();
     assert_eq!(file.interpolation(), Interpolation::Hermite);
-    let (times, angles, rates) = ([0.0, 2.0], [0.0, 0.0, 1.0, 0.5], [0.0; 4]);
-    let view = TrajectoryView::new(file.interpolation(), 2, &times, &angles, &rates, &[]).unwrap();
-    assert_eq!((file.len(), file.groups()), (2, 2));
+    let (spans, rates) = ([0.0, 2.0, 1.5], [0.0; 6]);
+    let angles = [0.0, 0.0, 1.0, 0.5, 0.5, 0.25];
+    let view = TrajectoryView::new(file.interpolation(), 2, &spans, &angles, &rates, &[]).unwrap();
+    assert_eq!((file.len(), file.groups()), (3, 2));
     assert_holds(&file, view);
     let limits = GroupLimits {
         lower: -f32::PI,
@@ -494,6 +524,7 @@ fn the_example_of_the_protocol_is_what_it_says() {
     assert_eq!(again, bytes);
     // Its number on the line is the one that the protocol gives.
     let number = FileItems::new(file).unwrap().identity();
+    assert_eq!(number, file.path());
     let said = format!("example above has the number `{number:08x}`");
     let protocol = include_str!("../../../firmware-sim/PROTOCOL.md");
     assert!(protocol.contains(&said), "{said}");

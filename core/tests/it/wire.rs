@@ -144,7 +144,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
     };
     let setpoint = SetpointBytes {
         number: 300,
-        time: 2.0,
+        span: 0.5,
         last: true,
         nodes: &[0, 0, 128, 63, 0, 0, 0, 0],
     };
@@ -232,7 +232,7 @@ fn examples() -> Vec<(Vec<u8>, &'static str)> {
         ),
         (
             item(Item::Setpoint(setpoint)),
-            "Item 300, Setpoint: 300, at 2 s, the last, 8 bytes: angle 1, rate 0",
+            "Item 300, Setpoint: 300, span 0.5 s, the last, 8 bytes: angle 1, rate 0",
         ),
         (
             item(Item::Nodes(setpoint.nodes)),
@@ -899,10 +899,10 @@ fn codes_of_hinges_take_as_few_bits_as_they_can() {
 #[test]
 fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
     let (knots, hinges) = (300_u16, 1104_u16);
-    let times: Vec<f32> = (0..knots).map(f32::from).collect();
+    let spans: Vec<f32> = (0..knots).map(|knot| f32::from(knot.min(1))).collect();
     let angles: Vec<f32> = (0..2 * knots).map(|k| f32::from(k) * 1e-3).collect();
     let rates: Vec<f32> = angles.iter().map(|angle| -angle).collect();
-    let view = TrajectoryView::new(Interpolation::Hermite, 2, &times, &angles, &rates, &[]);
+    let view = TrajectoryView::new(Interpolation::Hermite, 2, &spans, &angles, &rates, &[]);
     let member = |hinge| Membership {
         group: GroupId(u32::from(hinge % 2_u16)),
         negative: hinge % 3 == 0,
@@ -991,7 +991,7 @@ fn a_path_in_items_is_whole_and_a_hundredth_of_its_hinges() {
 #[test]
 fn a_file_gives_the_items_of_its_path() {
     let (knots, groups) = (5_u16, 31_u16);
-    let times: Vec<f32> = (0..knots).map(f32::from).collect();
+    let spans: Vec<f32> = (0..knots).map(|knot| f32::from(knot.min(1))).collect();
     let angles: Vec<f32> = (0..groups * knots).map(|k| f32::from(k) * 1e-3).collect();
     let rates: Vec<f32> = angles.iter().map(|angle| -angle).collect();
     let weights: Vec<[f32; 2]> = angles.iter().map(|angle| [1.0 + angle, *angle]).collect();
@@ -1016,7 +1016,7 @@ fn a_file_gives_the_items_of_its_path() {
         (Interpolation::Hermite, &[][..]),
         (Interpolation::Homogeneous, &weights[..]),
     ] {
-        let view = TrajectoryView::new(kind, groups.into(), &times, &angles, &rates, weights);
+        let view = TrajectoryView::new(kind, groups.into(), &spans, &angles, &rates, weights);
         let view = view.unwrap();
         let mut bytes = Vec::new();
         let sink = |piece: &[u8]| bytes.extend(piece);

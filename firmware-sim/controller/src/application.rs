@@ -7,7 +7,7 @@ use core::num::NonZero;
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
 use foldpath_core::Membership;
-use foldpath_core::follower::{Measurement, Target};
+use foldpath_core::follower::{FollowerPosition, Measurement, Target};
 use foldpath_core::wire::key::{Key, StoredKey};
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 
@@ -161,10 +161,10 @@ where
         self.send();
     }
 
-    /// Bounds the path time from outside, seconds, so that several controllers stay together: see
+    /// Bounds the path from outside by a place on it, so that several controllers stay together: see
     /// [`Follower::lease`](foldpath_core::follower::Follower::lease).
-    pub fn lease(&mut self, seconds: Option<f32>) {
-        self.device.follower_mut().lease(seconds);
+    pub fn lease(&mut self, place: Option<FollowerPosition<f32>>) {
+        self.device.follower_mut().lease(place);
     }
 
     /// Plays a path from flash if a button asks for it; to be called after each [`step`](Self::step) by a board that has

@@ -51,8 +51,6 @@ pub const ALONE: Membership = Membership {
 pub struct Settings {
     /// Options of the follower.
     pub follower: CheckedOptions<f32>,
-    /// Largest closure residual that a host may ask for.
-    pub closure: f32,
     /// Microseconds between two messages of telemetry.
     pub telemetry: u64,
     /// Number that tells this run from all other runs of the controller, and from the runs of controllers that have the same
@@ -83,7 +81,6 @@ impl Settings {
         let [first, second] = draws;
         Self {
             follower: CheckedOptions::default(),
-            closure: 1e-3,
             telemetry: 20_000,
             nonce: NonZero::new(first ^ second.rotate_left(32)).filter(|_| first != second),
             image: 0,
@@ -134,8 +131,6 @@ pub struct Controller<
 > {
     pub(crate) settings: Settings,
     pub(crate) receiver: Receiver<P>,
-    /// `true` if the stop line was drawn since a command was last answered.
-    drawn: bool,
     /// State, reason and room of the last report, whether the stop line held, and whether it was known where the
     /// sheet stands.
     reported: Option<(State, Reason, usize, [bool; 2])>,
@@ -144,6 +139,8 @@ pub struct Controller<
     is_due: bool,
     /// `true` if the host of this session tells what it has seen.
     sees: bool,
+    /// `true` if the stop line was drawn since a command was last answered.
+    drawn: bool,
     due_tick: u32,
     /// Time when telemetry was last sent (`posted`, lowest 32 bits), and microseconds from then on until more is sent
     /// (`pause`): 0 for a host that does not tell what it has seen.

@@ -227,7 +227,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize, const KNOTS:
         }
         let setpoint = Setpoint {
             number: bytes.number,
-            time: bytes.time,
+            span: bytes.span,
             last: bytes.last,
             nodes,
         };

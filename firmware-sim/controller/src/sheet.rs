@@ -81,7 +81,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
         if fits.iter().any(|&(count, room)| usize::from(count) > room) {
             return Err(ItemRefusal::Room);
         }
-        if !(0.0..=settings.closure).contains(&head.closure) {
+        if !(0.0..=settings.follower.closure).contains(&head.closure) {
             return Err(ItemRefusal::Closure);
         }
         if settings.closed && spokes == 0 {
@@ -171,7 +171,7 @@ impl<const GROUPS: usize, const HINGES: usize, const SPOKES: usize> Sheet<GROUPS
     /// If there are too many, or if they are cut off or without a group.
     pub fn add_hinges(&mut self, bytes: &[u8]) -> Result<(), ItemRefusal> {
         let head = self.head()?;
-        let bits = path::hinge_bits(head.groups);
+        let bits = path::hinge_bits(head.groups.into());
         let left = usize::from(head.hinges).saturating_sub(self.hinges.len());
         let count = left.min(8 * bytes.len() / bits);
         let ends = count == left || count * bits.get() == 8 * bytes.len();

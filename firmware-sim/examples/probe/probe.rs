@@ -57,16 +57,16 @@ const MOST_TICKS: u32 = 10_000;
 #[derive(Default)]
 pub(crate) struct Path {
     groups: usize,
-    times: Vec<f32, KNOTS>,
+    spans: Vec<f32, KNOTS>,
     angles: Vec<f32, { KNOTS * GROUPS }>,
     rates: Vec<f32, { KNOTS * GROUPS }>,
 }
 
 impl Path {
     pub(crate) fn view(&self) -> Result<TrajectoryView<'_, f32>, Failure> {
-        let (times, angles, rates) = (&self.times, &self.angles, &self.rates);
+        let (spans, angles, rates) = (&self.spans, &self.angles, &self.rates);
         let kind = Interpolation::Hermite;
-        let view = TrajectoryView::new(kind, self.groups, times, angles, rates, &[]);
+        let view = TrajectoryView::new(kind, self.groups, spans, angles, rates, &[]);
         view.map_err(|_| Failure::Knot)
     }
 }
@@ -228,12 +228,12 @@ pub(crate) fn follow(
             }
         }
         line(out, fold, "knot", bits(angles).chain(bits(rates)))?;
-        let time = path.times.push(f32::from(step) * STEP);
+        let span = path.spans.push(f32::from(step.min(1)) * STEP);
         let nodes = path
             .angles
             .extend_from_slice(angles)
             .and(path.rates.extend_from_slice(rates));
-        time.map_err(|_| Failure::Knot)
+        span.map_err(|_| Failure::Knot)
             .and(nodes.map_err(|_| Failure::Knot))?;
     }
     Ok(path)
@@ -250,7 +250,11 @@ fn play(
     let angles = angles.get_mut(..path.groups()).ok_or(Failure::Size)?;
     let mut scratch = [HalfAngle::default(); GROUPS];
     for tick in 0..=STEPS * SAMPLES {
-        path.sample(f32::from(tick) * STEP / f32::from(SAMPLES), angles);
+        let place = FollowerPosition {
+            knot: 0,
+            into: f32::from(tick) * STEP / f32::from(SAMPLES),
+        };
+        path.sample(place, angles);
         let mut value = |objective: Objective| {
             let value = objective.value(stars, angles, &mut scratch);
             value.ok_or(Failure::Size)

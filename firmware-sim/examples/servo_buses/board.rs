@@ -5,7 +5,6 @@
 #![allow(unsafe_code, reason = "registers are reached by address")]
 
 use core::f32::consts::PI;
-use core::ptr;
 
 use cortex_m_rt::exception;
 use foldpath_controller::servo_bus::Buses;
@@ -14,6 +13,10 @@ use foldpath_core::follower::{Measurement, Target};
 use foldpath_core::{GroupLimits, Membership};
 
 use crate::skeleton::{INCOMING, OUTGOING, RECORDS};
+use registers::{Clock, MEGAHERTZ, NVIC_ENABLE, NVIC_PEND, read, write};
+
+#[path = "../../src/bin/mps2/registers.rs"]
+mod registers;
 
 const BUSES: usize = 4;
 const SERVOS: usize = 32;
@@ -34,16 +37,11 @@ pub(crate) const LIMITS: GroupLimits = GroupLimits {
     acceleration: f32::INFINITY,
 };
 
-/// Counts of the clock in a microsecond.
-const MEGAHERTZ: u32 = 25;
-const TIMER: usize = 0x4000_0000;
-const WATCHDOG: usize = 0x4000_8000;
 /// Pin of the stop line in the inputs of the first port: low while the line is released.
 const INPUTS: usize = 0x4001_0000;
 const STOP: u32 = 1;
-/// Registers that enable interrupts 0 to 31 (`NVIC_ENABLE`) and set them pending (`NVIC_PEND`).
-const NVIC_ENABLE: usize = 0xe000_e100;
-const NVIC_PEND: usize = 0xe000_e200;
+/// Number of interrupts that have handlers.
+const HANDLERS: usize = 22;
 /// Addresses of the lines, and the numbers of their interrupts for bytes that have come; the next one is for bytes sent.
 const LINES: [(usize, i16); BUSES + 1] = [
     (0x4000_4000, 0),
@@ -59,36 +57,15 @@ const RANDOM: usize = 0x2030_0000;
 static HEARD: [Fifo<64>; BUSES] = [const { Fifo::new() }; BUSES];
 static SAID: [Fifo<512>; BUSES] = [const { Fifo::new() }; BUSES];
 
-unsafe extern "C" {
-    /// The handler that [`exception`] makes of the function of that name below.
-    #[link_name = "DefaultHandler"]
-    safe fn default_handler();
-}
-
-/// The handlers of all interrupts that are enabled.
-// SAFETY: this section is the one for the addresses of interrupt handlers.
-#[unsafe(export_name = "__INTERRUPTS")]
-#[unsafe(link_section = ".vector_table.interrupts")]
-static INTERRUPTS: [extern "C" fn(); 22] = [default_handler; 22];
-
-#[derive(Default)]
 pub(crate) struct MyBoard {
     buses: Buses<BUSES, SERVOS>,
-    count: u32,
-    /// Counts that do not yet make a microsecond.
-    rest: u32,
-    micros: u64,
+    clock: Clock,
 }
 
 impl MyBoard {
     /// Starts clock, watchdog and lines. Returns the board, and two numbers of its source of nonces.
     pub(crate) fn start() -> (Self, [u64; 2]) {
-        write(TIMER + 0x4, u32::MAX);
-        write(TIMER + 0x8, u32::MAX);
-        write(TIMER, 1);
-        write(WATCHDOG + 0xc00, 0x1acc_e551);
-        write(WATCHDOG, 500_000 * MEGAHERTZ);
-        write(WATCHDOG + 0x8, 0b11);
+        let clock = Clock::start(500_000);
         for (line, interrupt) in LINES {
             let baud = if interrupt == 0 { 460_800 } else { BAUD };
             write(line + 0x10, 1_000_000 * MEGAHERTZ / baud);
@@ -96,7 +73,8 @@ impl MyBoard {
             write(NVIC_ENABLE, 0b11 << interrupt);
         }
         let draws = [RANDOM, RANDOM + 4].map(|address| read(address).into());
-        (Self::default(), draws)
+        let buses = Buses::default();
+        (Self { buses, clock }, draws)
     }
 
     /// Sends bytes for the host.
@@ -109,12 +87,7 @@ impl Board for MyBoard {
     const RECORD: usize = retained::size(GROUPS);
 
     fn now(&mut self) -> u64 {
-        let count = !read(TIMER + 0x4);
-        let passed = count.wrapping_sub(self.count);
-        let rest = self.rest + passed % MEGAHERTZ;
-        (self.count, self.rest) = (count, rest % MEGAHERTZ);
-        self.micros += u64::from(passed / MEGAHERTZ + rest / MEGAHERTZ);
-        self.micros
+        self.clock.now()
     }
 
     fn stop(&mut self) -> bool {
@@ -131,14 +104,14 @@ impl Board for MyBoard {
         _: Membership,
         target: Option<Target<f32>>,
     ) -> Option<Measurement<f32>> {
-        self.buses.drive(hinge, target, self.micros)
+        self.buses.drive(hinge, target, self.clock.micros)
     }
 
     fn commit(&mut self) {
         let lines = HEARD.iter().zip(&SAID).zip(LINES.iter().skip(1));
         for (bus, ((heard, said), (_, interrupt))) in self.buses.iter_mut().zip(lines) {
             let incoming = core::iter::from_fn(|| heard.take());
-            bus.exchange(self.micros, BAUD, incoming, |packet| {
+            bus.exchange(self.clock.micros, BAUD, incoming, |packet| {
                 for byte in packet {
                     let _ = said.add(*byte);
                 }
@@ -161,7 +134,7 @@ impl Board for MyBoard {
     }
 
     fn feed(&mut self) {
-        write(WATCHDOG + 0xc, 1);
+        registers::feed();
     }
 }
 
@@ -188,14 +161,4 @@ unsafe fn DefaultHandler(interrupt: i16) {
             }
         }
     }
-}
-
-fn read(address: usize) -> u32 {
-    // SAFETY: the address is a register of this board, one of the constants above.
-    unsafe { ptr::read_volatile(ptr::with_exposed_provenance(address)) }
-}
-
-fn write(address: usize, value: u32) {
-    // SAFETY: the address is a register of this board, one of the constants above; none makes the core touch memory.
-    unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut(address), value) }
 }

@@ -147,7 +147,7 @@ fn forget_drops_a_path_that_has_begun() {
 #[test]
 fn a_setpoint_of_many_vertices_delays_no_tick() {
     // On this curve tan ρ₂/2 is half of tan ρ₁/2 everywhere, as in Miura's fold.
-    let times = [0.0, 1.0_f32];
+    let spans = [0.0, 1.0_f32];
     let (mut angles, mut weights) = (Vec::new(), Vec::new());
     for major in [0.0, 0.5_f32] {
         let (sin, cos) = (0.5 * major).sin_cos();
@@ -159,7 +159,7 @@ fn a_setpoint_of_many_vertices_delays_no_tick() {
     let ends: Vec<u32> = (1..=7).map(|star| 4 * star).collect();
     let kind = Interpolation::Homogeneous;
     let rates = [0.0; 4];
-    let view = TrajectoryView::new(kind, 2, &times, &angles, &rates, &weights).unwrap();
+    let view = TrajectoryView::new(kind, 2, &spans, &angles, &rates, &weights).unwrap();
     let (stars, limits) = (StarsView::new(&spokes, &ends, 2).unwrap(), [LIMITS; 2]);
     let place = FollowerPosition::default();
     let path = Path::miura();

@@ -16,4 +16,5 @@ mod refusals;
 mod resets;
 mod servo_buses;
 mod stops;
+mod week;
 mod world;

@@ -10,8 +10,8 @@ use foldpath_core::trajectory_file;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::wire::protection::{Protection, Unkeyed};
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, Scalar};
-use foldpath_test_support::Random;
 use foldpath_test_support::stars::{Stars, foldability_error, miura};
+use foldpath_test_support::{Random, spans};
 use rand_core::Rng;
 
 /// `STEP`: seconds between two knots. `KNOTS`: number of knots of the path.
@@ -66,7 +66,7 @@ pub(crate) fn below(rng: &mut Random, count: u64) -> u64 {
 
 /// A path that owns its memory.
 pub(crate) struct Path {
-    times: Vec<f32>,
+    spans: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     stars: Stars<f32>,
@@ -84,14 +84,13 @@ impl Path {
     /// Creates the path of that fold to another largest angle, radians.
     pub(crate) fn miura_to(top: f64) -> Self {
         let duration = STEP * (KNOTS - 1) as f64;
-        let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut angles, mut rates) = (Vec::new(), Vec::new());
         for knot in 0..KNOTS {
             let time = STEP * knot as f64;
             let (sin, cos) = (PI * time / duration).sin_cos();
             let t = (top * (1.0 - cos) / 4.0).tan();
             let rate = top * sin / 2.0 * PI / duration;
             let minor = rate * 0.5 * (1.0 + t * t) / (1.0 + t * t / 4.0);
-            times.push(f32::lit(time));
             angles.extend([2.0 * t.atan(), 2.0 * (t / 2.0).atan()].map(f32::lit));
             rates.extend([rate, minor].map(f32::lit));
         }
@@ -100,7 +99,7 @@ impl Path {
             negative: hinge.is_multiple_of(3),
         };
         Self {
-            times,
+            spans: spans(KNOTS, f32::lit(STEP)),
             angles,
             rates,
             stars: vertex(),
@@ -111,7 +110,7 @@ impl Path {
 
     pub(crate) fn view(&self) -> TrajectoryView<'_, f32> {
         let kind = Interpolation::Hermite;
-        TrajectoryView::new(kind, 2, &self.times, &self.angles, &self.rates, &[]).unwrap()
+        TrajectoryView::new(kind, 2, &self.spans, &self.angles, &self.rates, &[]).unwrap()
     }
 
     pub(crate) fn items(&self, place: FollowerPosition<f32>) -> PathItems<'_> {
@@ -127,15 +126,25 @@ impl Path {
         .unwrap()
     }
 
+    /// Alters an angle or a rate of a knot that is neither the first nor the last, by `off`.
+    pub(crate) fn alter(&mut self, rng: &mut Random, off: f64) {
+        let numbers = if below(rng, 2) == 0 {
+            &mut self.angles
+        } else {
+            &mut self.rates
+        };
+        let inner = numbers.len() as u64 - 4;
+        numbers[2 + usize::try_from(below(rng, inner)).unwrap()] += f32::lit(off);
+    }
+
     /// Returns the path of the way back.
-    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no way back"))]
     pub(crate) fn reversed(&self) -> Self {
         let reverse = |values: &[f32], sign: f32| {
             let knots = values.chunks(2).rev().flatten();
             knots.map(|value| sign * value).collect()
         };
         Self {
-            times: self.times.clone(),
+            spans: self.spans.clone(),
             angles: reverse(&self.angles, 1.0),
             rates: reverse(&self.rates, -1.0),
             stars: vertex(),
@@ -145,7 +154,6 @@ impl Path {
     }
 
     /// Returns the bytes of the path's trajectory file.
-    #[cfg_attr(not(test), allow(dead_code, reason = "the fuzzer has no file"))]
     pub(crate) fn file(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let (limits, stars) = (&[LIMITS; 2], self.stars.view());

@@ -307,13 +307,15 @@ pub(crate) fn lives<R: Rig, const HINGES: usize>(rig: R) {
     let speed = END / f32::from(DURATION);
     let angles: Vec<f32> = times.iter().map(|time| speed * time).collect();
     let rates = vec![speed; times.len()];
+    let mut spans = vec![0.1; times.len()];
+    spans[0] = 0.0;
     let hinge = |hinge: usize| Membership {
         group: GroupId(0),
         negative: sign(hinge) < 0.0,
     };
     let hinges: Vec<Membership> = (0..HINGES).map(hinge).collect();
     let kind = Interpolation::Hermite;
-    let view = TrajectoryView::new(kind, 1, &times, &angles, &rates, &[]).expect("a path");
+    let view = TrajectoryView::new(kind, 1, &spans, &angles, &rates, &[]).expect("a path");
     let stars = StarsView::new(&[], &[], 1).expect("no vertices");
     let limits = [R::LIMITS];
     let host = |id, persistence| {

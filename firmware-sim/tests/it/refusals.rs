@@ -1,7 +1,7 @@
 //! Does the controller refuse wrong content behind good checksums, with the right reason? Whatever is sent, it commands
 //! no angle beyond the limits and no configuration that tears the sheet.
 
-use foldpath_core::acceptance::Refusal;
+use foldpath_core::acceptance::{Refusal, most_commanded};
 use foldpath_core::follower::{Denial, FollowerPosition, Reason, State};
 use foldpath_core::wire::cobs::{self, Deframer};
 use foldpath_core::wire::frame;
@@ -123,7 +123,7 @@ impl Talk {
         change(&mut head, &mut nodes);
         let setpoint = SetpointBytes {
             number: head.number,
-            time: head.time,
+            span: head.span,
             last: head.last,
             nodes: &nodes,
         };
@@ -341,11 +341,11 @@ fn a_bad_setpoint_is_refused_holds_the_motion_and_may_be_amended() {
         (|_, nodes| nodes.truncate(15), Refusal::Groups),
         (|_, nodes| nodes.extend([0; 48]), Refusal::Groups),
         (|_, nodes| set(nodes, 1, f32::NAN), Refusal::NotFinite(0)),
-        (|head, _| head.time = 0.1, Refusal::Order),
+        (|head, _| head.span = 0.0, Refusal::Order),
         (|_, nodes| set(nodes, 2, 2.8), Refusal::Range(1)),
         (|_, nodes| set(nodes, 2, 0.001), Refusal::Open(0)),
         (|_, nodes| scale(nodes, 3, 1.01), Refusal::OpenBetween(0)),
-        (|head, _| head.time = 0.15, Refusal::Acceleration(0)),
+        (|head, _| head.span = 0.01, Refusal::Acceleration(0)),
     ];
     let path = Path::miura();
     for (change, refusal) in cases {
@@ -405,7 +405,7 @@ fn anything(rng: &mut Random, talk: &mut Talk, path: &Path, knot: &mut u64) {
             let refused = talk.knot(path, *knot, |head, nodes| {
                 nodes[usize::try_from(bit / 8).unwrap()] ^= 1 << (bit % 8);
                 if more == 0 {
-                    head.time = f32::from_bits(head.time.to_bits() ^ (1 << (seed % 32)));
+                    head.span = f32::from_bits(head.span.to_bits() ^ (1 << (seed % 32)));
                 }
             });
             *knot += u64::from(refused.is_none());
@@ -454,7 +454,7 @@ fn whatever_is_sent_nothing_is_torn_or_beyond_its_limits() {
             let &[a, b] = follower.angles() else { continue };
             let residual = path.residual(&[a, b]);
             assert!(
-                residual <= f64::from(CLOSURE) + 1e-6,
+                residual <= most_commanded(CLOSURE, 4).into(),
                 "{residual:e} {seed} {tick}"
             );
             let before = before.replace([a, b]).unwrap_or([a, b]);

@@ -1,8 +1,9 @@
 //! How fast and how far does a motion go on after each kind of stop? This command prints the table of the README:
 //! `cargo nextest run --release -p foldpath-firmware-sim what_stops --no-capture`.
 
-use foldpath_core::follower::Reason;
+use foldpath_core::follower::{FollowerPosition, Reason};
 use foldpath_core::wire::driver::{Driver, Persistence};
+use foldpath_test_support::spans;
 
 use crate::machine::{Machine, Path, Sensor};
 
@@ -76,8 +77,9 @@ fn what_stops_a_motion_how_fast_and_how_far() {
         "{other:?}"
     );
     let mut wrong = Path::new(2);
-    wrong.times = (0..41_u8).map(|knot| f32::from(knot) * 0.05).collect();
-    wrong.angles = wrong.times.iter().flat_map(|time| [*time; 2]).collect();
+    wrong.spans = spans(41, 0.05);
+    let times = (0..41_u8).map(|knot| f32::from(knot) * 0.05);
+    wrong.angles = times.flat_map(|time| [time; 2]).collect();
     wrong.rates = vec![1.0; wrong.angles.len()];
     *wrong.angles.last_mut().unwrap() = 9.0;
     let refused = stops(
@@ -103,8 +105,16 @@ fn what_stops_a_motion_how_fast_and_how_far() {
         &path,
         none,
         |machine, host| {
-            let time = machine.command().unwrap();
-            machine.controller.lease(Some(time + 0.3));
+            let time = machine.command().unwrap() + 0.3;
+            // The knots are 0.1 s apart.
+            let knot = (0..21_u8)
+                .rfind(|knot| f32::from(*knot) * 0.1 <= time)
+                .unwrap();
+            let place = FollowerPosition {
+                knot: knot.into(),
+                into: time - f32::from(knot) * 0.1,
+            };
+            machine.controller.lease(Some(place));
             Some(host)
         },
     );

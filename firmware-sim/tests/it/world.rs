@@ -37,7 +37,7 @@ fn angles_at(path: &Path, place: FollowerPosition<f32>) -> [f32; 2] {
     let (view, knot) = (path.view(), place.knot as usize);
     let from = view.knot(knot).unwrap();
     if place.into > 0.0 {
-        let s = place.into / (view.knot(knot + 1).unwrap().time - from.time);
+        let s = place.into / view.knot(knot + 1).unwrap().span;
         [0, 1].map(|group| view.curve(knot, group).unwrap().angle(s))
     } else {
         [from.angles[0], from.angles[1]]

@@ -54,16 +54,7 @@ pub(crate) fn run(args: &Stream, quiet: bool) -> Answer {
     let input = Input::of(&args.path)?;
     let name = input.name.clone();
     let path = StreamPath::read(&input.bytes()?, &name)?;
-    let path = if args.reverse {
-        path.reverse().ok_or_else(|| {
-            let name = name.display();
-            CliError::Usage(format!(
-                "--reverse: {name}: expected knots far enough apart for numbers of 32 bits that count from the end"
-            ))
-        })?
-    } else {
-        path
-    };
+    let path = if args.reverse { path.reverse() } else { path };
     if let Some(at) = args.at {
         check_place(at, &path)?;
     }
@@ -362,8 +353,8 @@ impl Watch<'_> {
         let times = self.path.times();
         let time = |knot: usize| times.get(knot).copied().unwrap_or(0.0);
         let knot = usize::try_from(telemetry.place.knot).unwrap_or(usize::MAX);
-        let end = time(times.len().saturating_sub(1)) - time(0);
-        let part = (time(knot) - time(0) + telemetry.place.into) / end;
+        let end = time(times.len().saturating_sub(1));
+        let part = (time(knot) + f64::from(telemetry.place.into)) / end;
         let angles = telemetry.angles.iter().take(4);
         let angles: String = angles.map(|a| format!(" {:.1}", a.to_degrees())).collect();
         let more = if telemetry.angles.len() > 4 {
@@ -383,7 +374,7 @@ impl Watch<'_> {
             "{:?}, knot {knot} of {last}, groups at{angles}{more} degrees{lag}{trip}, {again} items again",
             telemetry.state
         );
-        progress::show(bar, &what, Some(part.into()));
+        progress::show(bar, &what, Some(part));
     }
 }
 

@@ -228,14 +228,15 @@ impl TrajFile {
             gaps: &gaps,
         };
         write(rounded, &limits, hinges, stars, closure, cost, sink)?;
-        let last = wide.len().checked_sub(1).and_then(|last| wide.knot(last));
         Ok(Self {
             bytes,
             groups: rounded.groups(),
             hinges: hinges.len(),
             spokes: spokes.len(),
             knots: rounded.len(),
-            duration: last.map_or(0.0, |knot| knot.time),
+            duration: (0..wide.len())
+                .filter_map(|knot| Some(wide.knot(knot)?.span))
+                .sum(),
             ..self
         })
     }
@@ -284,8 +285,8 @@ fn limit(known: Option<f64>, found: f64) -> f32 {
 pub(crate) struct TrajectoryArrays<T> {
     pub(crate) interpolation: Interpolation,
     pub(crate) groups: usize,
-    /// Seconds.
-    pub(crate) times: Vec<T>,
+    /// Seconds since the knot before, 0 at the first.
+    pub(crate) spans: Vec<T>,
     /// One row for each knot, radians.
     pub(crate) angles: Vec<T>,
     /// One row for each knot, radians per second.
@@ -299,7 +300,7 @@ impl<T: Scalar> TrajectoryArrays<T> {
     pub(crate) fn new(
         interpolation: Interpolation,
         groups: usize,
-        times: Vec<T>,
+        spans: Vec<T>,
         nodes: &[Node<T>],
     ) -> Self {
         let is_weighted = interpolation == Interpolation::Homogeneous;
@@ -307,7 +308,7 @@ impl<T: Scalar> TrajectoryArrays<T> {
         Self {
             interpolation,
             groups,
-            times,
+            spans,
             angles: nodes.iter().map(|node| node.angle).collect(),
             rates: nodes.iter().map(|node| node.rate).collect(),
             weights: weighted.map(|node| node.weight).collect(),
@@ -322,7 +323,7 @@ impl<T: Scalar> TrajectoryArrays<T> {
         TrajectoryView::new(
             self.interpolation,
             self.groups,
-            &self.times,
+            &self.spans,
             &self.angles,
             &self.rates,
             &self.weights,
@@ -334,21 +335,28 @@ impl TrajectoryArrays<f64> {
     fn of(motion: &Motion, groups: &HingeGroups) -> Self {
         let knots = 0..motion.knots.len();
         let nodes: Vec<_> = knots.flat_map(|knot| groups.nodes(motion, knot)).collect();
-        let times = motion.knots.iter().map(|knot| knot.time).collect();
-        Self::new(motion.interpolation, groups.len(), times, &nodes)
+        let spans = motion
+            .knots
+            .windows(2)
+            .map(|ends| ends[1].time - ends[0].time);
+        let spans = core::iter::once(0.0)
+            .chain(spans)
+            .take(motion.knots.len())
+            .collect();
+        Self::new(motion.interpolation, groups.len(), spans, &nodes)
     }
 
-    /// Returns the trajectory from time 0 on, stretched in time by the factor `stretch` and rounded to `f32`.
+    /// Returns the trajectory stretched in time by the factor `stretch` and rounded to `f32`.
     fn rounded(&self, stretch: f64) -> TrajectoryArrays<f32> {
-        let start = self.times.first().copied().unwrap_or(0.0);
-        let times = self.times.iter();
         let slower = 1.0 / stretch;
         let weights = self.weights.iter();
         TrajectoryArrays {
             interpolation: self.interpolation,
             groups: self.groups,
-            times: times
-                .map(|time| f32::lit((time - start) * stretch))
+            spans: self
+                .spans
+                .iter()
+                .map(|span| f32::lit(span * stretch))
                 .collect(),
             angles: self.angles.iter().copied().map(f32::lit).collect(),
             rates: self.rates.iter().map(|x| f32::lit(x * slower)).collect(),
@@ -366,7 +374,7 @@ impl TrajectoryArrays<f32> {
         TrajectoryArrays {
             interpolation: self.interpolation,
             groups: self.groups,
-            times: widen(&self.times),
+            spans: widen(&self.spans),
             angles: widen(&self.angles),
             rates: widen(&self.rates),
             weights: weights.map(|pair| pair.map(Scalar::to_f64)).collect(),

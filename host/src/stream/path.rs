@@ -28,8 +28,8 @@ const NEAREST_STEP_RAD: f32 = 0.2;
 #[derive(Clone, Debug)]
 pub struct StreamPath {
     knots: TrajectoryArrays<f32>,
-    /// Times of the knots of the reverse, in its order.
-    reverse_times: Vec<f32>,
+    /// Times of the knots, seconds.
+    times: Vec<f64>,
     /// `true` if the path is the reverse of that of the file.
     reversed: bool,
     limits: Vec<GroupLimits>,
@@ -59,11 +59,10 @@ impl StreamPath {
         let places = (0..traj.len()).flat_map(|k| (0..groups).map(move |g| (k, g)));
         let nodes: Vec<_> = places.filter_map(|(k, g)| traj.node(k, g)).collect();
         let ends = (1..).zip(traj.spokes()).filter(|(_, (_, last))| *last);
-        let times: Vec<f32> = (0..traj.len()).filter_map(|k| traj.time(k)).collect();
-        let end = times.last().copied().unwrap_or(0.0);
+        let spans: Vec<f32> = (0..traj.len()).filter_map(|k| traj.span(k)).collect();
         let this = Self {
-            reverse_times: times.iter().rev().map(|time| end - time).collect(),
-            knots: TrajectoryArrays::new(traj.interpolation(), groups, times, &nodes),
+            times: times(&spans),
+            knots: TrajectoryArrays::new(traj.interpolation(), groups, spans, &nodes),
             reversed: false,
             limits: (0..groups).filter_map(|g| traj.limits(g)).collect(),
             hinges: traj.memberships().collect(),
@@ -107,26 +106,28 @@ impl StreamPath {
         })
     }
 
-    /// Returns the way back: the knots in reverse order, their times from the other end, their rates negated. The angles
-    /// are those of this path at mirrored times, but for the rounding of times. The reverse of the reverse is this path.
-    ///
-    /// `None` if two times from the other end are rounded to the same number.
+    /// Returns the way back: the knots and the spans between them in reverse order, their rates negated. The angles are those
+    /// of this path at mirrored times. The reverse of the reverse is this path.
     #[must_use]
-    pub fn reverse(&self) -> Option<Self> {
+    pub fn reverse(&self) -> Self {
         let (groups, knots) = (self.groups(), &self.knots);
-        let this = Self {
+        // The first knot has the span 0 both ways.
+        let mut spans = knots.spans.clone();
+        if let Some((_, spans)) = spans.split_first_mut() {
+            spans.reverse();
+        }
+        Self {
+            times: times(&spans),
             knots: TrajectoryArrays {
-                times: self.reverse_times.clone(),
+                spans,
                 angles: reversed_rows(&knots.angles, groups, |angle| angle),
                 rates: reversed_rows(&knots.rates, groups, |rate| -rate),
                 weights: reversed_rows(&knots.weights, groups, |[weight, rate]| [weight, -rate]),
                 ..*knots
             },
-            reverse_times: knots.times.clone(),
             reversed: !self.reversed,
             ..self.clone()
-        };
-        this.items().is_some().then_some(this)
+        }
     }
 
     /// Returns `true` if the path is the [reverse](Self::reverse) of that of the file.
@@ -160,8 +161,8 @@ impl StreamPath {
 
     /// Returns the times of the knots, seconds.
     #[must_use]
-    pub fn times(&self) -> &[f32] {
-        &self.knots.times
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// Returns the group and sign of each hinge.
@@ -233,9 +234,9 @@ impl StreamPath {
         let times = self.times();
         let time = |(k, s): (usize, f32)| {
             let ends = times.get(k).zip(times.get(k + 1));
-            ends.map_or(0.0, |(from, to)| from + s * (to - from))
+            ends.map_or(0.0, |(from, to)| from + s.to_f64() * (to - from))
         };
-        let told = times.get(usize::try_from(told.knot).ok()?)? + told.into;
+        let told = times.get(usize::try_from(told.knot).ok()?)? + told.into.to_f64();
         let segments = times.len().saturating_sub(1);
         let grid = (0..segments).flat_map(|k| NEAREST_GRID.map(|s| (k, s)));
         let far: Vec<f32> = grid.clone().map(distance).collect();
@@ -257,7 +258,7 @@ impl StreamPath {
         let (knot, into) = if *s >= 1.0 {
             (k + 1, 0.0)
         } else {
-            (*k, time((*k, *s)) - times.get(*k)?)
+            (*k, s * self.knots.spans.get(k + 1)?)
         };
         let knot = u32::try_from(knot).ok()?;
         Some(FollowerPosition { knot, into })
@@ -333,6 +334,15 @@ fn refined(s: f32, distance: impl Fn(f32) -> f32) -> f32 {
             best
         }
     })
+}
+
+/// Returns the times of knots with these spans, seconds.
+fn times(spans: &[f32]) -> Vec<f64> {
+    let sums = spans.iter().scan(0.0, |time, span| {
+        *time += span.to_f64();
+        Some(*time)
+    });
+    sums.collect()
 }
 
 /// Returns rows of `width` numbers in reverse order, each number changed by `turn`.

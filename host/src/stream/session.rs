@@ -160,7 +160,7 @@ pub fn run(
     watcher: &mut impl Watcher,
 ) -> io::Result<Summary> {
     // Only a host that goes on may stand on the reverse.
-    let reverse = options.resume.then(|| path.reverse()).flatten();
+    let reverse = options.resume.then(|| path.reverse());
     let start = link.now();
     let mut session = Session {
         driver: driver(path, reverse.as_ref(), options)?,

@@ -4,14 +4,15 @@ use crate::common::{near, placed};
 use foldpath::planner::Overshoot;
 use foldpath::planner::timing::{OptimalTimeLaw, RateLimits};
 use foldpath_core::Interpolation;
+use foldpath_core::follower::FollowerPosition;
 use foldpath_core::trajectory::TrajectoryView;
 
 #[test]
 fn a_cubic_from_rest_to_rest() {
     // 3s² - 2s³ has the rate 3/2 in the middle and the second derivative 6 at its ends.
     let (way, time) = (0.8, 0.5);
-    let (times, angles) = ([1.0, 1.0 + time], [0.3, 0.3 + way]);
-    let view = TrajectoryView::new(Interpolation::Hermite, 1, &times, &angles, &[0.0; 2], &[]);
+    let (spans, angles) = ([0.0, time], [0.3, 0.3 + way]);
+    let view = TrajectoryView::new(Interpolation::Hermite, 1, &spans, &angles, &[0.0; 2], &[]);
     let used = Overshoot::of(view.unwrap(), &[2.0], &[4.0]);
     near(used.speed, 1.5 * way / time / 2.0, 1e-14);
     near(used.acceleration, 6.0 * way / (time * time) / 4.0, 1e-14);
@@ -28,8 +29,8 @@ fn a_straight_line_in_the_tangent_of_the_half_angle() {
     let (k, time) = (2.0_f64, 0.5);
     let angles = [0.0, 2.0 * k.atan()];
     let rates = [2.0 * k / time, 2.0 * k / (1.0 + k * k) / time];
-    let times = [0.0, time];
-    let view = TrajectoryView::new(Interpolation::HalfAngle, 1, &times, &angles, &rates, &[]);
+    let spans = [0.0, time];
+    let view = TrajectoryView::new(Interpolation::HalfAngle, 1, &spans, &angles, &rates, &[]);
     let used = Overshoot::of(view.unwrap(), &[1.0], &[1.0]);
     near(used.speed, 2.0 * k / time, 1e-14);
     let most = 9.0 * k * k / (4.0 * 3.0_f64.sqrt());
@@ -37,6 +38,7 @@ fn a_straight_line_in_the_tangent_of_the_half_angle() {
 }
 
 const TIMES: [f64; 4] = [0.0, 0.7, 1.0, 2.5];
+const SPANS: [f64; 4] = [0.0, 0.7, 0.3, 1.5];
 const ANGLES: [f64; 8] = [0.0, 0.0, 0.4, -0.9, 1.3, -1.2, 2.9, 0.4];
 const RATES: [f64; 8] = [0.1, -0.2, 1.1, -1.3, 1.9, -0.2, 0.3, 2.0];
 const WEIGHTS: [[f64; 2]; 8] = [
@@ -57,7 +59,11 @@ fn of_differences(view: TrajectoryView<'_, f64>) -> [f64; 2] {
     let step = 1e-4;
     let angles = |time: f64| {
         let mut angles = [0.0; 2];
-        view.sample(time, &mut angles);
+        let place = FollowerPosition {
+            knot: 0,
+            into: time,
+        };
+        view.sample(place, &mut angles);
         angles
     };
     let mut most = [0.0_f64; 2];
@@ -87,7 +93,7 @@ fn sampled_angles_move_so_fast() {
     ] {
         let homogeneous = kind == Interpolation::Homogeneous;
         let weights: &[[f64; 2]] = if homogeneous { &WEIGHTS } else { &[] };
-        let view = TrajectoryView::new(kind, 2, &TIMES, &ANGLES, &RATES, weights).unwrap();
+        let view = TrajectoryView::new(kind, 2, &SPANS, &ANGLES, &RATES, weights).unwrap();
         let [speed, acceleration] = of_differences(view);
         let used = Overshoot::of(view, &SPEEDS, &ACCELERATIONS);
         near(used.speed, speed, 2e-3);
@@ -103,8 +109,8 @@ fn sampled_angles_move_so_fast() {
 fn what_does_not_move_uses_nothing() {
     let one = TrajectoryView::new(Interpolation::Hermite, 1, &[0.0], &[1.0], &[5.0], &[]).unwrap();
     assert_eq!(Overshoot::of(one, &[1.0], &[1.0]), Overshoot::default());
-    let (times, angles, rates) = ([0.0, 1.0], [1.0; 2], [0.0; 2]);
-    let still = TrajectoryView::new(Interpolation::HalfAngle, 1, &times, &angles, &rates, &[]);
+    let (spans, angles, rates) = ([0.0, 1.0], [1.0; 2], [0.0; 2]);
+    let still = TrajectoryView::new(Interpolation::HalfAngle, 1, &spans, &angles, &rates, &[]);
     let used = Overshoot::of(still.unwrap(), &[1.0], &[f64::INFINITY]);
     assert!(used.stretch() <= 1e-15);
 }
@@ -147,7 +153,9 @@ fn knots_where_the_law_switches_keep_the_limits() {
         };
         let (angles, rates): (Vec<_>, Vec<_>) = times.iter().map(at).unzip();
         let (angles, rates) = (angles.concat(), rates.concat());
-        let view = TrajectoryView::new(Interpolation::Hermite, 2, times, &angles, &rates, &[]);
+        let mut spans: Vec<f64> = times.windows(2).map(|ends| ends[1] - ends[0]).collect();
+        spans.insert(0, 0.0);
+        let view = TrajectoryView::new(Interpolation::Hermite, 2, &spans, &angles, &rates, &[]);
         Overshoot::of(view.unwrap(), &speeds, &accelerations)
     };
     let even: Vec<f64> = (0..=20)

@@ -86,7 +86,7 @@ fn setpoint(file: &TrajectoryFile<'_>, knot: usize) -> Result<Setpoint<f32, GROU
     let nodes = (0..file.groups()).map(|group| file.node(knot, group).ok_or("no such knot"));
     Ok(Setpoint {
         number: u32::try_from(knot).map_err(|error| error.to_string())?,
-        time: file.time(knot).ok_or("no such knot")?,
+        span: file.span(knot).ok_or("no such knot")?,
         last: knot + 1 == file.len(),
         nodes: nodes.collect::<Result<_, _>>()?,
     })

@@ -20,13 +20,27 @@ use foldpath_core::follower::{CheckedOptions, Follower, FollowerPosition, Measur
 use foldpath_core::trajectory_file::TrajectoryFile;
 use foldpath_core::{Curve, Membership, Scalar};
 
+/// Returns the spans of knots that are `step` seconds apart: 0 at the first.
+#[must_use]
+pub fn spans<T: Scalar>(knots: usize, step: T) -> Vec<T> {
+    let mut spans = vec![step; knots];
+    if let Some(first) = spans.first_mut() {
+        *first = T::zero();
+    }
+    spans
+}
+
 /// Returns the motion of a group in a file from knot number `segment` to the next knot; `None` if there is none.
 #[must_use]
 pub fn curve(file: &TrajectoryFile<'_>, segment: usize, group: usize) -> Option<Curve<f32>> {
     let next = segment.checked_add(1)?;
-    let span = file.time(next)? - file.time(segment)?;
     let (from, to) = (file.node(segment, group)?, file.node(next, group)?);
-    Some(Curve::between(file.interpolation(), span, from, to))
+    Some(Curve::between(
+        file.interpolation(),
+        file.span(next)?,
+        from,
+        to,
+    ))
 }
 
 /// Asks a follower on this sheet whether it takes `next` as the setpoint behind `before`.

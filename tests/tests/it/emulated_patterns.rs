@@ -63,7 +63,7 @@ fn follow(path: &StreamPath, file: &TrajectoryFile<'_>, place: FollowerPosition<
         let nodes = (0..file.groups()).map(|group| file.node(knot, group).unwrap());
         let setpoint = Setpoint {
             number: u32::try_from(knot).unwrap(),
-            time: file.time(knot).unwrap(),
+            span: file.span(knot).unwrap(),
             last: knot + 1 == file.len(),
             nodes: nodes.collect(),
         };
@@ -122,7 +122,7 @@ fn fold(machine: &str, name: &str, bytes: &[u8], nonce: u64) -> Vec<Told> {
         took.as_secs_f64()
     );
     // Telemetry comes every 20 ms.
-    let moments = f64::from(*path.times().last().unwrap()) / 0.02;
+    let moments = path.times().last().unwrap() / 0.02;
     assert!(told.len() as f64 > 0.5 * moments, "{name}: {}", told.len());
     told
 }

@@ -7,6 +7,7 @@ use foldpath_core::trajectory::TrajectoryView;
 use foldpath_core::wire::driver::Persistence;
 use foldpath_core::wire::path::PathItems;
 use foldpath_core::{GroupId, GroupLimits, Interpolation, Membership, StarsView};
+use foldpath_test_support::spans;
 use rand_core::Rng;
 
 use crate::image::board::{Board, pause};
@@ -22,7 +23,7 @@ const RECORDS: usize = 2 * foldpath_controller::retained::size(256);
 
 /// A path from 0 to 2 rad in two and a half seconds, on which all groups turn alike. It has three hinges for each group.
 struct Flat {
-    times: Vec<f32>,
+    spans: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     limits: Vec<GroupLimits>,
@@ -31,7 +32,7 @@ struct Flat {
 
 impl Flat {
     fn new(groups: usize) -> Self {
-        let times: Vec<f32> = (0..21_u8).map(|knot| 0.125 * f32::from(knot)).collect();
+        let times = (0..21_u8).map(|knot| 0.125 * f32::from(knot));
         let hinge = |hinge: usize| Membership {
             group: GroupId(u32::try_from(hinge % groups).unwrap()),
             negative: hinge.is_multiple_of(3),
@@ -43,12 +44,9 @@ impl Flat {
             acceleration: 1e9,
         };
         Self {
-            angles: times
-                .iter()
-                .flat_map(|time| vec![0.8 * time; groups])
-                .collect(),
-            rates: vec![0.8; groups * times.len()],
-            times,
+            angles: times.flat_map(|time| vec![0.8 * time; groups]).collect(),
+            rates: vec![0.8; groups * 21],
+            spans: spans(21, 0.125),
             limits: vec![limits; groups],
             hinges: (0..3 * groups).map(hinge).collect(),
         }
@@ -56,7 +54,7 @@ impl Flat {
 
     fn items(&self) -> PathItems<'_> {
         let (kind, groups) = (Interpolation::Hermite, self.limits.len());
-        let view = TrajectoryView::new(kind, groups, &self.times, &self.angles, &self.rates, &[]);
+        let view = TrajectoryView::new(kind, groups, &self.spans, &self.angles, &self.rates, &[]);
         let (stars, place) = (
             StarsView::new(&[], &[], groups).unwrap(),
             FollowerPosition::default(),
@@ -73,7 +71,7 @@ impl Flat {
     }
 
     fn time(&self, place: FollowerPosition<f32>) -> f32 {
-        self.times[place.knot as usize] + place.into
+        place.knot as f32 * 0.125 + place.into
     }
 }
 

@@ -58,8 +58,7 @@ fn session(
         let knot = told.place.knot as usize;
         let at = |group| match curve(&file, knot, group) {
             Some(curve) if told.place.into > 0.0 => {
-                let span = file.time(knot + 1).unwrap() - file.time(knot).unwrap();
-                curve.angle(told.place.into / span)
+                curve.angle(told.place.into / file.span(knot + 1).unwrap())
             }
             _ => file.node(knot, group).unwrap().angle,
         };

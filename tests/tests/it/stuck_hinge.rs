@@ -127,7 +127,7 @@ impl Case {
 /// Lets hinges stick, each at a time that is drawn from `seed`, and returns the largest of their gaps over the allowed one.
 fn worst(case: &Case, path: &StreamPath, hinges: &[usize], seed: u64) -> f64 {
     let mut rng = Random::new(seed);
-    let end = f64::from(*path.times().last().unwrap());
+    let end = *path.times().last().unwrap();
     let gaps = hinges.iter().map(|hinge| {
         let at = rng.uniform(0.2, 0.8) * end;
         case.in_virtual_time(path, *hinge, at) / case.bound

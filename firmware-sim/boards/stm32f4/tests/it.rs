@@ -211,7 +211,7 @@ impl Write for Shared {
 /// The path of a `.traj` file, which owns its memory.
 struct Path {
     file: TrajectoryFile<'static>,
-    times: Vec<f32>,
+    spans: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     limits: Vec<GroupLimits>,
@@ -229,8 +229,8 @@ impl Path {
             .collect();
         let spokes = || file.spokes().enumerate();
         Self {
-            times: (0..file.len())
-                .map(|knot| file.time(knot).unwrap())
+            spans: (0..file.len())
+                .map(|knot| file.span(knot).unwrap())
                 .collect(),
             angles: nodes.iter().map(|node| node.angle).collect(),
             rates: nodes.iter().map(|node| node.rate).collect(),
@@ -250,7 +250,7 @@ impl Path {
     fn driver(&self, id: u32, persistence: Persistence) -> Driver<'_> {
         let groups = self.file.groups();
         let (kind, none) = (self.file.interpolation(), &[][..]);
-        let view = TrajectoryView::new(kind, groups, &self.times, &self.angles, &self.rates, none);
+        let view = TrajectoryView::new(kind, groups, &self.spans, &self.angles, &self.rates, none);
         let stars = StarsView::new(&self.spokes, &self.ends, groups).unwrap();
         let (closure, place) = (self.file.closure(), FollowerPosition::default());
         let items = PathItems::new(
@@ -356,7 +356,7 @@ fn the_example_fits_its_sizes_and_folds() {
         "{:?}",
         host.sender()
     );
-    assert!(path.times.last().unwrap() > &1.5);
+    assert!(path.spans.iter().sum::<f32>() > 1.5);
     // Half a microsecond of a pulse.
     assert!(off(&path, &machine) <= 0.5 * LIMITS.upper / 500.0 + 1e-6);
 }

@@ -8,7 +8,6 @@
     reason = "registers, and RAM that a reset leaves as it is, are reached by address"
 )]
 
-use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::asm;
@@ -25,6 +24,10 @@ use foldpath_core::{GroupLimits, Membership};
 use foldpath_firmware_sim::plant::Plant;
 
 use crate::sizes::{GROUPS, HINGES, KNOTS, SPOKES};
+use registers::{Clock, MEGAHERTZ, NVIC_ENABLE, NVIC_PEND, read, write};
+
+#[path = "registers.rs"]
+mod registers;
 
 /// The controller with its line to the host: queues that interrupts fill and empty.
 type Controller =
@@ -45,16 +48,9 @@ const LIMITS: GroupLimits = GroupLimits {
     acceleration: f32::INFINITY,
 };
 
-/// Counts of the clock in a microsecond.
-const MEGAHERTZ: u32 = 25;
-/// Counts, of 1 s, after which the watchdog warns. After as many counts again it resets the board.
-const PATIENCE: u32 = 1_000_000 * MEGAHERTZ;
+/// Microseconds after which the watchdog warns. After as many again it resets the board.
+const PATIENCE_US: u32 = 1_000_000;
 
-const TIMER: usize = 0x4000_0000;
-const WATCHDOG: usize = 0x4000_8000;
-/// Registers that enable interrupts 0 to 31 (`NVIC_ENABLE`) and set them pending (`NVIC_PEND`).
-const NVIC_ENABLE: usize = 0xe000_e100;
-const NVIC_PEND: usize = 0xe000_e200;
 /// Registers of the memory protection unit.
 const MPU_CONTROL: usize = 0xe000_ed94;
 const MPU_REGION: usize = 0xe000_ed9c;
@@ -62,23 +58,13 @@ const MPU_KIND: usize = 0xe000_eda0;
 /// Address of the guard, the lowest 2¹⁰ bytes of the stack, which nothing may touch.
 const GUARD: u32 = 0x2000_0000;
 
+/// Number of interrupts that have handlers. The board has more, which are not enabled.
+const HANDLERS: usize = 5;
 /// Numbers of the lines' interrupts.
 const RECEIVED: i16 = 0;
 const SENT: i16 = 1;
 const STOP_RECEIVED: i16 = 2;
 const BENCH_RECEIVED: i16 = 4;
-
-unsafe extern "C" {
-    /// The handler that [`exception`] makes of the function of that name below.
-    #[link_name = "DefaultHandler"]
-    safe fn default_handler();
-}
-
-/// The handlers of interrupts 0 to 4. The board has more, which are not enabled.
-// SAFETY: this section is the one for the addresses of interrupt handlers.
-#[unsafe(export_name = "__INTERRUPTS")]
-#[unsafe(link_section = ".vector_table.interrupts")]
-static INTERRUPTS: [extern "C" fn(); 5] = [default_handler; 5];
 
 /// Bytes from the host that wait for the main loop. Bytes without room are lost, and sent again.
 static INCOMING: Fifo<256> = Fifo::new();
@@ -143,25 +129,13 @@ impl Uart {
     }
 }
 
-/// The clock, the stop line, the hinges and the memory of the board.
-#[derive(Default)]
-struct Mps2 {
-    count: u32,
-    /// Counts that do not yet make a microsecond.
-    rest: u32,
-    micros: u64,
-}
+/// The stop line, the hinges and the memory of the board, and its clock.
+struct Mps2(Clock);
 
 impl Board for Mps2 {
-    /// The counter wraps after 171 s. Each round of the main loop reads it.
+    /// Each round of the main loop reads the clock.
     fn now(&mut self) -> u64 {
-        let count = !read(TIMER + 0x4);
-        let passed = count.wrapping_sub(self.count);
-        let rest = self.rest + passed % MEGAHERTZ;
-        self.count = count;
-        self.rest = rest % MEGAHERTZ;
-        self.micros += u64::from(passed / MEGAHERTZ + rest / MEGAHERTZ);
-        self.micros
+        self.0.now()
     }
 
     fn stop(&mut self) -> bool {
@@ -181,7 +155,7 @@ impl Board for Mps2 {
             return PLANT.measure(hinge, membership).map(Into::into);
         };
         #[allow(clippy::cast_possible_truncation, reason = "differences matter")]
-        let now = self.micros as u32;
+        let now = self.0.micros as u32;
         PLANT.drive(hinge, membership, angle, now).map(Into::into)
     }
 
@@ -216,12 +190,12 @@ impl Board for Mps2 {
     }
 
     fn feed(&mut self) {
-        write(WATCHDOG + 0xc, 1);
+        registers::feed();
     }
 }
 
 /// Starts the guard of the stack, the clock, the watchdog and a wake-up each millisecond.
-fn start() {
+fn start() -> Clock {
     // The region of 2^(9 + 1) bytes allows no access. All other memory, and all memory in the fault's handler, is as
     // without protection.
     write(MPU_REGION, GUARD | 1 << 4);
@@ -229,12 +203,7 @@ fn start() {
     write(MPU_CONTROL, 0b101);
     asm::dsb();
     asm::isb();
-    write(TIMER + 0x4, u32::MAX);
-    write(TIMER + 0x8, u32::MAX);
-    write(TIMER, 1);
-    write(WATCHDOG + 0xc00, 0x1acc_e551);
-    write(WATCHDOG, PATIENCE);
-    write(WATCHDOG + 0x8, 0b11);
+    let clock = Clock::start(PATIENCE_US);
     if let Some(mut core) = cortex_m::Peripherals::take() {
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(1000 * MEGAHERTZ - 1);
@@ -242,6 +211,7 @@ fn start() {
         core.SYST.enable_counter();
         core.SYST.enable_interrupt();
     }
+    clock
 }
 
 /// Memory of the controller. The discriminants make `None` all zeros, so that its initial value takes no flash.
@@ -255,7 +225,7 @@ enum Memory {
 #[entry]
 fn main() -> ! {
     static mut MEMORY: Memory = Memory::None;
-    start();
+    let clock = start();
     let draws = [NONCE, NONCE + 4].map(|address| read(address).into());
     let settings = Settings {
         // The emulated hinges hang on any sheet.
@@ -270,7 +240,7 @@ fn main() -> ! {
         // Only the interrupt takes bytes from the queue, so set it pending.
         wake: (|| write(NVIC_PEND, 1 << SENT)) as fn(),
     };
-    *MEMORY = Memory::Some(Application::new(Mps2::default(), line, settings));
+    *MEMORY = Memory::Some(Application::new(Mps2(clock), line, settings));
     // The lines come last: while nothing ticks, QEMU may leave received bytes lying for a second.
     HOST.enable();
     STOP.enable();
@@ -344,14 +314,4 @@ unsafe extern "C" {
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     something_can_panic()
-}
-
-fn read(address: usize) -> u32 {
-    // SAFETY: the address is a register of this board, one of the constants above.
-    unsafe { ptr::read_volatile(ptr::with_exposed_provenance(address)) }
-}
-
-fn write(address: usize, value: u32) {
-    // SAFETY: the address is a register of this board, one of the constants above; none makes the core touch memory.
-    unsafe { ptr::write_volatile(ptr::with_exposed_provenance_mut(address), value) }
 }

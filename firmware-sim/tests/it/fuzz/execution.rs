@@ -104,6 +104,12 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
     let miura = below(&mut rng, 2) == 0;
     let kind = kinds[usize::try_from(below(&mut rng, 4)).unwrap()];
     let groups = usize::try_from(1 + below(&mut rng, 4)).unwrap();
+    // The executions that have found faults fold by cubics of the angle.
+    let fold = if (number / 4).is_multiple_of(4) {
+        Interpolation::HalfAngle
+    } else {
+        Interpolation::Hermite
+    };
     let mut execution = Execution {
         rng,
         subject: Subject::new(path),
@@ -111,7 +117,7 @@ pub(crate) fn run(path: &Path, seed: u64, number: u64) -> Tally {
         sequence: 0,
         command: 0,
         miura,
-        kind: if miura { Interpolation::Hermite } else { kind },
+        kind: if miura { fold } else { kind },
         groups: if miura { 2 } else { groups },
         limits: LIMITS,
         first: 0,
@@ -334,7 +340,14 @@ impl Execution<'_> {
             let items = self.path.items(place);
             let mut scratch = [0; 256];
             for index in 0..items.head() as u64 {
-                self.item(items.item(index, &mut scratch).unwrap());
+                let item = match items.item(index, &mut scratch).unwrap() {
+                    Item::Sheet(head) => Item::Sheet(SheetHead {
+                        interpolation: self.kind,
+                        ..head
+                    }),
+                    item => item,
+                };
+                self.item(item);
             }
             return;
         }
@@ -416,14 +429,14 @@ impl Execution<'_> {
 
     /// Sends the next setpoint, which is valid unless `bad`.
     fn setpoint(&mut self, bad: bool) {
-        let (mut number, mut time, mut last, mut nodes) = self.proposal();
+        let (mut number, mut span, mut last, mut nodes) = self.proposal();
         if bad {
             self.subject.pristine = false;
             for _ in 0..=self.below(2) {
                 let (place, value) = (self.below(nodes.len().max(1)), self.number());
                 match self.below(9) {
                     // Changes the setpoint so little that it may pass.
-                    6 => time -= 0.02 * self.part(),
+                    6 => span -= 0.02 * self.part(),
                     7 | 8 => {
                         let off = [1e-4, 0.05, 0.5, 3.0][self.below(4)] * (self.part() - 0.5);
                         nodes[place..]
@@ -432,7 +445,7 @@ impl Execution<'_> {
                             .for_each(|node| *node += off);
                     }
                     0 => number ^= 1 << self.below(32),
-                    1 => time = value,
+                    1 => span = value,
                     2 => last = !last,
                     3 if self.one_in(2) => nodes.truncate(place),
                     3 => nodes.extend([value; 2]),
@@ -450,14 +463,14 @@ impl Execution<'_> {
         let before = self.subject.taken.len();
         self.item(Item::Setpoint(SetpointBytes {
             number,
-            time,
+            span,
             last,
             nodes: &bytes,
         }));
         self.tally.setpoints += u64::from(self.subject.taken.len() > before);
     }
 
-    /// Returns a good setpoint behind those that were taken: its number, its time, `true` if it is the last, and its
+    /// Returns a good setpoint behind those that were taken: its number, its span, `true` if it is the last, and its
     /// nodes.
     fn proposal(&mut self) -> (u32, f32, bool, Vec<f32>) {
         let before = self.subject.taken.back().cloned();
@@ -473,7 +486,7 @@ impl Execution<'_> {
             };
             let (nodes, _) = setpoint.nodes.as_chunks();
             let nodes = nodes.iter().copied().map(f32::from_le_bytes).collect();
-            return (number, setpoint.time, setpoint.last, nodes);
+            return (number, setpoint.span, setpoint.last, nodes);
         }
         let wild = self.one_in(16);
         let GroupLimits {
@@ -482,17 +495,13 @@ impl Execution<'_> {
             speed,
             ..
         } = self.limits;
-        let span = if wild {
+        let span = if self.endless {
+            2e38
+        } else if wild {
             self.number()
         } else {
             0.005 + 0.1 * self.part()
         };
-        let (begin, span) = if self.endless {
-            (-3.4e38, 2e38)
-        } else {
-            (0.0, span)
-        };
-        let time = before.as_ref().map_or(begin, |sent| sent.time + span);
         let mut nodes = Vec::new();
         for group in 0..self.groups {
             let width = self.kind.width();
@@ -513,7 +522,7 @@ impl Execution<'_> {
             let node = [angle.max(lower).min(upper), rate, weight, grow];
             nodes.extend(&node[..width]);
         }
-        (number, time, self.one_in(32), nodes)
+        (number, span, self.one_in(32), nodes)
     }
 
     fn stands(&self, group: usize) -> f32 {

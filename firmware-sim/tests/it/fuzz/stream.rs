@@ -20,7 +20,7 @@ pub(crate) enum Message {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sent {
     pub(crate) number: u32,
-    pub(crate) time: f32,
+    pub(crate) span: f32,
     pub(crate) nodes: Vec<f32>,
 }
 
@@ -124,7 +124,7 @@ fn message(mut body: &[u8]) -> Option<(u32, Message)> {
 
 fn setpoint(rest: &mut &[u8]) -> Option<Sent> {
     let number = varint(rest)?;
-    let (time, behind) = rest.split_first_chunk()?;
+    let (span, behind) = rest.split_first_chunk()?;
     *rest = behind;
     let _last = rest.split_off_first()?;
     let count = varint(rest)?;
@@ -132,7 +132,7 @@ fn setpoint(rest: &mut &[u8]) -> Option<Sent> {
     let (nodes, _) = nodes.as_chunks();
     Some(Sent {
         number,
-        time: f32::from_le_bytes(*time),
+        span: f32::from_le_bytes(*span),
         nodes: nodes.iter().copied().map(f32::from_le_bytes).collect(),
     })
 }

@@ -62,8 +62,9 @@ pub(crate) struct Subject<'a> {
     level: bool,
     /// `true` if nobody has asked to resume since the stop line was drawn.
     drawn: bool,
-    /// `true` once a hinge was measured far from its command.
+    /// `true` once a hinge was measured far from its command, and once one was so or its sensor told no number.
     away: bool,
+    stuck: bool,
     /// Time when the host was last heard, microseconds.
     heard: u64,
     boots: u32,
@@ -106,6 +107,7 @@ impl<'a> Subject<'a> {
             level: false,
             drawn: false,
             away: false,
+            stuck: false,
             heard: 0,
             boots: 0,
             items: Stream::default(),
@@ -228,8 +230,10 @@ impl<'a> Subject<'a> {
             }
         }
         self.heard = self.now;
-        if matches!(frame.message, Message::Command(_, 7)) {
-            // Another hinge may be moved in between, so that an operator's word counts for this one again.
+        let takes_up = before.state == State::Idle && matches!(frame.message, Message::Setpoint(_));
+        if takes_up || matches!(frame.message, Message::Command(_, 6 | 7)) {
+            // Another hinge may be moved in between, another sheet taken up, or the place forgotten, so that an operator's word
+            // counts for this one again.
             self.drives(0);
         }
         let started = before.state == State::Ready && after.state == State::Running;
@@ -378,8 +382,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Checks that the rate of the clock changes by at most 4 a second, or falls by 32 because of a hinge that is elsewhere,
-    /// and is 0 if no path is left.
+    /// Checks that the rate of the clock changes by at most 4 a second, or falls by 32 because of a hinge that is elsewhere or
+    /// whose sensor tells no number, and is 0 if no path is left.
     fn rates(&self, before: &Look, after: &Look, passed: u64) {
         // On other paths, far from time 0, the end of a long segment is rounded.
         if after.state == State::Faulted || !self.pristine {
@@ -387,7 +391,7 @@ impl<'a> Subject<'a> {
         }
         let [from, to] = [before.rate, after.rate].map(f32::from_bits);
         #[allow(clippy::cast_precision_loss, reason = "at most 10,000")]
-        let most = if self.away && to < from { 32e-6 } else { 4e-6 } * passed as f32;
+        let most = if self.stuck && to < from { 32e-6 } else { 4e-6 } * passed as f32;
         // Near the end the path time left is rounded, and the rate grows as its square root.
         // An approach has a way of its own before that of the path.
         let follower = self.device.follower();
@@ -464,7 +468,7 @@ impl<'a> Subject<'a> {
             return Some(p);
         }
         let to = &self.taken[1];
-        let ([q, v], span) = (node(to), f64::from(to.time) - f64::from(from.time));
+        let ([q, v], span) = (node(to), f64::from(to.span));
         let s = f64::from(place.into) / span;
         assert!((0.0..=1.0).contains(&s), "{place:?} of {span}");
         let hermite = || {
@@ -584,6 +588,7 @@ impl<'a> Subject<'a> {
                 .measure(hinge, member, angle + off);
             // False for a NaN, which tells of a sensor that has failed.
             self.away |= off.abs() >= 0.149;
+            self.stuck |= self.away || off.is_nan();
         }
     }
 

@@ -14,12 +14,12 @@ use foldpath_core::{StarsView, trajectory::TrajectoryView};
 use path::*;
 
 fn main() {
-    let view = TrajectoryView::new(INTERPOLATION, GROUPS, TIMES, ANGLES, RATES, WEIGHTS).unwrap();
+    let view = TrajectoryView::new(INTERPOLATION, GROUPS, SPANS, ANGLES, RATES, WEIGHTS).unwrap();
     let stars = StarsView::new(SPOKES, ENDS, GROUPS).unwrap();
     println!("{:?} {} {}", INTERPOLATION, view.len(), stars.len());
     println!("{:08x}", CLOSURE.to_bits());
-    for (knot, time) in TIMES.iter().enumerate() {
-        println!("{:08x}", time.to_bits());
+    for (knot, span) in SPANS.iter().enumerate() {
+        println!("{:08x}", span.to_bits());
         for group in 0..GROUPS {
             let place = knot * GROUPS + group;
             let weight = WEIGHTS.get(place).copied().unwrap_or([1.0, 0.0]);
@@ -37,7 +37,7 @@ fn expected(bytes: &[u8], stars: usize) -> String {
     let mut text = format!("{:?} {} {stars}\n", file.interpolation(), file.len());
     text += &format!("{:08x}\n", file.closure().to_bits());
     for knot in 0..file.len() {
-        text += &format!("{:08x}\n", file.time(knot).unwrap().to_bits());
+        text += &format!("{:08x}\n", file.span(knot).unwrap().to_bits());
         for group in 0..file.groups() {
             let node = file.node(knot, group).unwrap();
             let node = [node.angle, node.rate, node.weight[0], node.weight[1]];

@@ -30,7 +30,7 @@ use foldpath_core::{
 };
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_firmware_sim::hinges::{Drive, Trouble};
-use foldpath_test_support::{Folder, curve};
+use foldpath_test_support::{Folder, curve, spans};
 use serde_json::Value;
 
 /// Makes a folder with `path.traj` of a Miura fold of 24 x 24 faces.
@@ -94,7 +94,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
         let nodes = [0, 1].map(|group| file.node(knot, group).unwrap());
         let setpoint = Setpoint {
             number: u32::try_from(knot).unwrap(),
-            time: file.time(knot).unwrap(),
+            span: file.span(knot).unwrap(),
             last: knot + 1 == file.len(),
             nodes: nodes.into_iter().collect(),
         };
@@ -118,10 +118,7 @@ fn own_run(bytes: &[u8]) -> Vec<[f32; 2]> {
 fn at(bytes: &[u8], place: FollowerPosition<f32>) -> Vec<f32> {
     let file = TrajectoryFile::read(bytes).unwrap();
     let knot = place.knot as usize;
-    let span = file
-        .time(knot + 1)
-        .map(|next| next - file.time(knot).unwrap());
-    let angle = |group| match span {
+    let angle = |group| match file.span(knot + 1) {
         Some(span) if place.into > 0.0 => {
             curve(&file, knot, group).unwrap().angle(place.into / span)
         }
@@ -246,7 +243,9 @@ fn a_controller_executes_what_was_planned_bit_by_bit() {
             .all(|pair| pair[0].sequence <= pair[1].sequence)
     );
     // Nothing is late: the duration is that of the path, of the start and end of its clock, and of opening the session.
-    let path = f64::from(file.time(file.len() - 1).unwrap());
+    let path: f64 = (0..file.len())
+        .map(|knot| f64::from(file.span(knot).unwrap()))
+        .sum();
     let duration = json["duration"].as_f64().unwrap();
     assert!(
         (path..path + 0.5).contains(&duration),
@@ -518,7 +517,8 @@ fn a_path_of_94_groups_is_streamed_whole() {
         .flat_map(|_| (0..GROUPS).map(|group| if group < 40 { 0.5 } else { -0.25 }))
         .collect();
     let kind = Interpolation::Hermite;
-    let view = TrajectoryView::new(kind, GROUPS, &times, &angles, &rates, &[]).unwrap();
+    let spans = spans(11, 0.2);
+    let view = TrajectoryView::new(kind, GROUPS, &spans, &angles, &rates, &[]).unwrap();
     let limits = [GroupLimits {
         lower: -1.0,
         upper: 1.5,
@@ -755,7 +755,10 @@ impl Served {
 #[cfg(unix)]
 fn a_host_that_waits_says_what_for() {
     let folder = small();
-    let lease = |device: &mut Device| device.follower_mut().lease(Some(0.1));
+    let lease = |device: &mut Device| {
+        let place = FollowerPosition { knot: 0, into: 0.1 };
+        device.follower_mut().lease(Some(place));
+    };
     let (port, _, thread) = served(1, |_| false, lease);
     let mut host = folder.command(&format!(
         "stream path.traj --to tcp:{port} --insecure --json"
@@ -772,7 +775,7 @@ fn a_host_that_waits_says_what_for() {
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["outcome"], "stopped", "{json}");
     let said = String::from_utf8(output.stderr).unwrap();
-    let note = "note: the motion is slow or at rest: the path time has reached its bound";
+    let note = "note: the motion is slow or at rest: the motion has reached its bound";
     assert_eq!(said.lines().collect::<Vec<_>>(), [note]);
     thread.join().unwrap();
 }
@@ -1129,7 +1132,7 @@ fn bad_files_and_usage_are_told() {
         ),
         (
             "old.traj --to sim",
-            "old.traj: byte 4: expected version 2 to 3, found 1",
+            "old.traj: byte 4: expected version 2 to 4, found 1",
         ),
         ("changed.traj --to sim", "changed.traj: "),
         ("short.traj --to sim", "short.traj: byte "),

@@ -21,7 +21,7 @@ const LIMITS: [f64; 2] = [
 struct Exported {
     interpolation: Interpolation,
     groups: usize,
-    times: Vec<f64>,
+    spans: Vec<f64>,
     angles: Vec<f64>,
     rates: Vec<f64>,
     weights: Vec<[f64; 2]>,
@@ -43,8 +43,8 @@ impl Exported {
         Self {
             interpolation: file.interpolation(),
             groups: file.groups(),
-            times: (0..file.len())
-                .map(|k| file.time(k).unwrap().to_f64())
+            spans: (0..file.len())
+                .map(|k| file.span(k).unwrap().to_f64())
                 .collect(),
             angles: nodes.iter().map(|node| node.angle.to_f64()).collect(),
             rates: nodes.iter().map(|node| node.rate.to_f64()).collect(),
@@ -60,7 +60,7 @@ impl Exported {
         TrajectoryView::new(
             self.interpolation,
             self.groups,
-            &self.times,
+            &self.spans,
             &self.angles,
             &self.rates,
             &self.weights,
@@ -69,7 +69,7 @@ impl Exported {
     }
 
     fn duration(&self) -> f64 {
-        self.times[self.times.len() - 1]
+        self.spans.iter().sum()
     }
 
     /// Returns the largest speed and acceleration of 10,000 samples per second, over the limits of the file: first by
@@ -83,8 +83,7 @@ impl Exported {
                 used[by][k] = f64::max(used[by][k], values[k].abs() / self.limits[k]);
             }
         };
-        for (segment, ends) in self.times.windows(2).enumerate() {
-            let span = ends[1] - ends[0];
+        for (segment, &span) in self.spans.iter().skip(1).enumerate() {
             let samples = (0..).map(|k| f64::from(k) * step).take_while(|t| *t < span);
             for t in samples.chain([span]) {
                 for group in 0..self.groups {
@@ -98,7 +97,8 @@ impl Exported {
         let samples = (0..).map(|k| f64::from(k) * step);
         for t in samples.take_while(|t| *t < self.duration() + 2.0 * step) {
             latest.rotate_left(1);
-            view.sample(t, &mut latest[2]);
+            let place = FollowerPosition { knot: 0, into: t };
+            view.sample(place, &mut latest[2]);
             for ((a, b), c) in latest[0].iter().zip(&latest[1]).zip(&latest[2]) {
                 raise(1, [(c - b) / step, (c - 2.0 * b + a) / (step * step)]);
             }
@@ -128,7 +128,7 @@ impl Exported {
         let (first, last) = (&self.rates[..self.groups], self.rates.len() - self.groups);
         let mut ends = first.iter().chain(&self.rates[last..]);
         assert!(ends.all(|rate| rate.abs() <= 0.0), "{name}");
-        assert!(self.times[0].abs() <= 0.0, "{name}");
+        assert!(self.spans[0].abs() <= 0.0, "{name}");
     }
 }
 
@@ -226,13 +226,14 @@ fn sheets_keep_the_limits() {
 #[test]
 fn a_large_sheet_is_a_small_file() {
     let exported = generated("miura --rows 24 --cols 24");
-    let numbers = 4 * (1 + 2 * exported.groups) * exported.times.len();
+    let numbers = 4 * (1 + 2 * exported.groups) * exported.spans.len();
     // One vertex of degree four stands for all vertices.
     let vertices = 1 + 4 * 9 + 4;
     let head = 4 + 1 + 1 + 1 + 16 * exported.groups + 2 + 1104 + vertices + 1;
-    println!("{} bytes, {} knots", exported.bytes, exported.times.len());
+    println!("{} bytes, {} knots", exported.bytes, exported.spans.len());
     let cost = 4 + 2 + 4 * 1104;
-    let bytes = head + numbers + cost + 4;
+    // The number of the path and the checksum.
+    let bytes = head + numbers + cost + 4 + 4;
     assert_eq!((exported.groups, exported.bytes), (2, bytes));
 }
 
@@ -418,7 +419,7 @@ fn followed(name: &str, interpolation: &str) -> [f32; 2] {
         let nodes = (0..file.groups()).map(|group| file.node(knot, group).unwrap());
         let setpoint = Setpoint {
             number: u32::try_from(knot).unwrap(),
-            time: file.time(knot).unwrap(),
+            span: file.span(knot).unwrap(),
             last: knot + 1 == file.len(),
             nodes: nodes.collect(),
         };

@@ -51,7 +51,7 @@ fn at(path: &StreamPath, place: FollowerPosition<f32>) -> Vec<f32> {
     if place.into <= 0.0 || knot + 1 == view.len() {
         return view.knot(knot).unwrap().angles.to_vec();
     }
-    let span = path.times()[knot + 1] - path.times()[knot];
+    let span = view.knot(knot + 1).unwrap().span;
     let curve = |group| view.curve(knot, group).unwrap().angle(place.into / span);
     (0..path.groups()).map(curve).collect()
 }
@@ -68,7 +68,7 @@ fn the_way_back_has_the_same_angles_at_mirrored_times() {
         ));
         folder.done(&format!("export {kind}.fold --to traj -o {kind}.traj"));
         let path = read(&folder, &format!("{kind}.traj"));
-        let back = path.reverse().unwrap();
+        let back = path.reverse();
         let [there, here] = [&path, &back].map(|path| path.view().unwrap());
         let last = there.len() - 1;
         for knot in 0..=last {
@@ -102,7 +102,7 @@ fn the_way_back_has_the_same_angles_at_mirrored_times() {
         assert!(worst < 2e-6, "{kind}: {worst:e}");
         let [one, other] = [&path, &back].map(|path| path.items().unwrap().identity());
         assert_ne!(one, other, "{kind}");
-        let again = back.reverse().unwrap();
+        let again = back.reverse();
         assert_eq!(again.items().unwrap().identity(), one, "{kind}");
 
         // The controller accepts it, and ends where the other way began.
@@ -145,7 +145,7 @@ fn running(heard: &[Telemetry]) -> &Telemetry {
 #[test]
 fn an_interrupted_run_turns_back_from_where_it_stands() {
     let path = read(&small(), "path.traj");
-    let back = path.reverse().unwrap();
+    let back = path.reverse();
     let mut sim = Sim::new();
     let (summary, heard) = session(&mut sim, &path, options(1, false), &stops);
     assert_eq!(summary.outcome, Outcome::Stopped, "{summary:?}");
@@ -284,7 +284,7 @@ fn nobody_undoes_a_stop_line_but_an_operator() {
 #[test]
 fn a_hold_of_another_session_stays_until_an_operator_goes_on() {
     let path = read(&small(), "path.traj");
-    let other = path.reverse().unwrap();
+    let other = path.reverse();
     for (how, reason) in [
         ("asks", "a host has asked to hold"),
         ("dies", "the controller did not hear its host"),

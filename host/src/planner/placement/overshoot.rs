@@ -2,7 +2,7 @@
 
 use foldpath_core::Curve;
 use foldpath_core::bernstein::differences;
-use foldpath_core::trajectory::TrajectoryView;
+use foldpath_core::trajectory::{Knot, TrajectoryView};
 
 /// Largest fractions of their limits that a trajectory uses: above 1, a limit is exceeded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,8 +26,7 @@ impl Overshoot {
     pub fn of(view: TrajectoryView<'_, f64>, speeds: &[f64], accelerations: &[f64]) -> Self {
         let mut worst = Self::default();
         let knots = (0..view.len()).filter_map(|knot| view.knot(knot));
-        for (segment, (from, to)) in knots.clone().zip(knots.skip(1)).enumerate() {
-            let span = to.time - from.time;
+        for (segment, Knot { span, .. }) in knots.skip(1).enumerate() {
             for (group, (speed, acceleration)) in speeds.iter().zip(accelerations).enumerate() {
                 let Some(curve) = view.curve(segment, group) else {
                     break;
@@ -45,12 +44,12 @@ impl Overshoot {
     #[must_use]
     pub fn speeds(view: TrajectoryView<'_, f64>) -> Vec<f64> {
         let mut speeds = vec![0.0_f64; view.groups()];
-        let times = (0..view.len()).filter_map(|knot| view.knot(knot).map(|knot| knot.time));
-        for (segment, (from, to)) in times.clone().zip(times.skip(1)).enumerate() {
+        let knots = (0..view.len()).filter_map(|knot| view.knot(knot));
+        for (segment, Knot { span, .. }) in knots.skip(1).enumerate() {
             for (group, speed) in speeds.iter_mut().enumerate() {
                 let curve = view.curve(segment, group);
                 let rate = curve.map_or(0.0, |curve| peaks(&curve)[0]);
-                *speed = speed.max(rate / (to - from));
+                *speed = speed.max(rate / span);
             }
         }
         speeds

@@ -34,10 +34,10 @@ fn setpoint(number: u16) -> Setpoint<f32, 2> {
     };
     let minor = node(2.0 * u.atan(), rate * 0.5 * (1.0 + t * t) / (1.0 + u * u));
     #[allow(clippy::cast_possible_truncation, reason = "to f32 on purpose")]
-    let time = time as f32;
+    let span = STEP as f32;
     Setpoint {
         number: number.into(),
-        time,
+        span,
         last: number + 1 == KNOTS,
         nodes: heapless::Vec::from_array([node(major, rate), minor]),
     }

@@ -23,7 +23,7 @@ pub(crate) const CLOSURE: f32 = 1e-4;
 /// A fold of two groups that owns its memory.
 pub(crate) struct Fold {
     interpolation: Interpolation,
-    times: Vec<f32>,
+    spans: Vec<f32>,
     angles: Vec<f32>,
     rates: Vec<f32>,
     limits: Vec<GroupLimits>,
@@ -63,7 +63,7 @@ impl Fold {
         }
         Self {
             interpolation: file.interpolation(),
-            times: (0..file.len()).map(|k| file.time(k).unwrap()).collect(),
+            spans: (0..file.len()).map(|k| file.span(k).unwrap()).collect(),
             angles: nodes.iter().map(|node| node.angle).collect(),
             rates: nodes.iter().map(|node| node.rate).collect(),
             limits: (0..2).map(|g| file.limits(g).unwrap()).collect(),
@@ -75,7 +75,7 @@ impl Fold {
 
     /// Returns the number of knots.
     pub(crate) fn len(&self) -> usize {
-        self.times.len()
+        self.spans.len()
     }
 
     pub(crate) fn limits(&self) -> &[GroupLimits] {
@@ -94,14 +94,19 @@ impl Fold {
 
     /// Returns the seconds from the start of the path to a place.
     pub(crate) fn time(&self, place: FollowerPosition<f32>) -> f64 {
-        f64::from(self.times[place.knot as usize]) + f64::from(place.into)
+        let spans = &self.spans[..=place.knot as usize];
+        spans
+            .iter()
+            .chain([&place.into])
+            .map(|span| f64::from(*span))
+            .sum()
     }
 
     pub(crate) fn view(&self) -> TrajectoryView<'_, f32> {
         TrajectoryView::new(
             self.interpolation,
             2,
-            &self.times,
+            &self.spans,
             &self.angles,
             &self.rates,
             &[],
@@ -133,7 +138,7 @@ impl Fold {
         for knot in (place.knot as usize..self.len()).take(2) {
             let setpoint = Setpoint {
                 number: u32::try_from(knot).unwrap(),
-                time: self.times[knot],
+                span: self.spans[knot],
                 last: knot + 1 == self.len(),
                 nodes: (0..2).map(|group| self.node(knot, group)).collect(),
             };
