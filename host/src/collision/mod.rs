@@ -17,6 +17,7 @@
 //! | `Sweep::after` | any | the variation of the angles between them times levers, and twice the tears, are within their distance or angle | `campaign.rs`, torn motions; `exact.rs` |
 //! | `Sweep::query_clusters` | of two clusters | the same for the spheres round the clusters | `campaign.rs`, torn motions; `skips.rs` |
 //! | `SheetPairs::query` | that share no point of the flat sheet | a plane parts them over the interval, by second-order bounds | `interval_broad_phase`; `exact.rs` |
+//! | `IntervalBroadPhase::is_body` | at rest relative to each other over a segment | all creases between them along the tree keep their angles | `host/tests/it/sweep.rs`, layers that rested |
 //! | `ComovingNow::until` | at rest relative to each other | the bound on their relative motion is within contact | `comoving_faces.rs`; `wrong_paths.rs`, layers that leave through each other |
 //! | `LatticePairs` | that a pair of the lattice stands for | they move alike, up to the deviation of the lattice | `skips.rs`; `host/tests/it/lattice.rs` |
 //! | `Sweep::at_contact` | in contact | a plane stays between them, by second-order bounds | `wrong_paths.rs`, layers that leave through each other; `exact.rs` |

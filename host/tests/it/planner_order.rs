@@ -47,6 +47,7 @@ const ORDER: [&str; 49] = [
     "strategies/pipeline",
     "strategies/rows",
     "strategies/stops",
+    "strategies/phase_samples",
     "strategies/fold_sequence",
     "strategies/split_phases",
     "strategies/way_round",

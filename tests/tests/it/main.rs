@@ -32,6 +32,7 @@ mod ports;
 mod reuse;
 mod rounded;
 mod skips;
+mod stamps;
 mod steps;
 mod stuck_hinge;
 mod torn_sides;

@@ -25,14 +25,12 @@ use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of creases of a sheet whose folds are put in sequence.
 const MAX_CREASES: usize = 200;
-/// The same for a sheet whose hinges turn freely.
+/// Largest number of creases of a sheet whose hinges turn freely and whose folds are put in sequence.
 const MAX_FREE_CREASES: usize = 1000;
 /// Largest number of sets of folded creases that are judged.
 const MAX_SETS: usize = 2000;
 /// Largest number of steps in the search for sequences.
 const MAX_STEPS: usize = 100_000;
-/// Largest number of faces that are placed for samples of what may turn next.
-const MAX_SAMPLED_FACES: usize = 2_000_000;
 /// Largest number of configurations of the path at which creases that move each other are found.
 const MAX_CONFIGURATIONS: usize = 16;
 
@@ -64,7 +62,7 @@ pub(crate) fn fold_in_sequence(
     let is_free = turns_freely(pattern);
     let mut orders = Orders {
         problem,
-        samples: is_free.then(|| PhaseSamples::new(problem, &reduction, &goal, MAX_SAMPLED_FACES)),
+        samples: is_free.then(|| PhaseSamples::new(problem, &reduction, &goal)),
         beyond: if is_free {
             faces_beyond(pattern)
         } else {
@@ -90,7 +88,7 @@ pub(crate) fn fold_in_sequence(
 type Phases = Vec<Vec<FixedBitSet>>;
 
 /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
-/// folded at once if no faces cross then. Where hinges turn freely, samples say so first.
+/// folded at once if no faces cross then. Where hinges turn freely, only sets are tried that do not cross at samples.
 fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan) -> Plan {
     let mut effort = Effort::default();
     let order = core::mem::take(&mut orders.order).into_iter();
@@ -285,7 +283,7 @@ impl Orders<'_> {
         after: &FixedBitSet,
     ) -> bool {
         match &mut self.samples {
-            Some(samples) => samples.crossing(folded, next).is_none(),
+            Some(samples) => samples.is_free(folded, next),
             None => self.is_free(after),
         }
     }
@@ -294,7 +292,7 @@ impl Orders<'_> {
     fn is_sampled_free(&mut self, before: &FixedBitSet, once: &[FixedBitSet]) -> bool {
         let once = union(&self.goal, once);
         let samples = self.samples.as_mut();
-        samples.is_none_or(|samples| samples.crossing(before, &once).is_none())
+        samples.is_none_or(|samples| samples.is_free(before, &once))
     }
 
     fn is_free(&mut self, folded: &FixedBitSet) -> bool {
@@ -346,7 +344,7 @@ impl Orders<'_> {
             return Ok(());
         }
         self.steps += 1;
-        if self.steps > MAX_STEPS || self.is_spent() {
+        if self.steps > MAX_STEPS {
             return Err(false);
         }
         let mut in_any_order = true;
@@ -359,6 +357,9 @@ impl Orders<'_> {
         };
         moves.sort_by_cached_key(|next| (most(&self.in_the_way, next), most(&self.beyond, next)));
         for next in moves {
+            if self.is_spent() {
+                return Err(false);
+            }
             let after = &folded | &next;
             if self.dead.contains(&after) || !self.may_follow(&folded, &next, &after) {
                 continue;

@@ -37,9 +37,6 @@ struct Candidate {
     phases: Phases,
 }
 
-/// Largest number of faces that are placed for samples of phases.
-const MAX_SAMPLED_FACES: usize = 500_000;
-
 /// Ways to part the creases into phases that are still to be tried.
 struct Candidates<'a> {
     /// Fold angle of each crease at the goal, radians.
@@ -75,7 +72,7 @@ pub(crate) fn fold_in_split_phases(
     let mut candidates = Candidates {
         goal,
         problem,
-        samples: PhaseSamples::new(problem, &reduction, goal, MAX_SAMPLED_FACES),
+        samples: PhaseSamples::new(problem, &reduction, goal),
         crossed: HashMap::new(),
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
@@ -88,7 +85,8 @@ pub(crate) fn fold_in_split_phases(
 }
 
 impl StopSearch for Candidates<'_> {
-    const MAX_TRIES: usize = 200;
+    // Phases that cross at samples are not tried.
+    const MAX_TRIES: usize = 50;
     const BOUND_FRACTION: f64 = FIRST_BOUND_FRACTION;
 
     fn next(&mut self) -> Option<Vec<Vec<f64>>> {

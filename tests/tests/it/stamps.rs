@@ -1,0 +1,77 @@
+//! Strips and combs of stamps, with any letters: the oracle and `check` judge the paths.
+
+use foldpath::check::check;
+use foldpath::export::fold::motion_text;
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath_tests::{Animation, CONTACT, Random, judge, path_file, strict};
+use nalgebra::Vector2;
+
+/// Returns a strip of unit squares along x, with a strip of `teeth` more squares on every second of them.
+fn comb(squares: usize, teeth: usize, random: &mut Random) -> Drawing {
+    let mut cells = Vec::new();
+    for column in 0..squares {
+        let top = if column % 2 == 0 { teeth } else { 0 };
+        cells.extend((0..=top).map(|row| (column, row)));
+    }
+    let vertex = |(x, y): (usize, usize)| x * (teeth + 2) + y;
+    #[allow(clippy::cast_precision_loss, reason = "a small number")]
+    let vertices = (0..(squares + 1) * (teeth + 2)).map(|index| {
+        let (x, y) = (index / (teeth + 2), index % (teeth + 2));
+        Vector2::new(x as f64, y as f64)
+    });
+    let mut sides = std::collections::BTreeMap::new();
+    for (x, y) in cells {
+        let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(vertex);
+        for k in 0..4 {
+            let [a, b] = [corners[k], corners[(k + 1) % 4]];
+            *sides.entry([a.min(b), a.max(b)]).or_insert(0) += 1;
+        }
+    }
+    let edges = sides.into_iter().map(|(ends, faces)| DrawnEdge {
+        ends,
+        letter: match faces {
+            1 => Letter::Boundary,
+            _ if random.below(2) == 0 => Letter::Mountain,
+            _ => Letter::Valley,
+        },
+        goal: None,
+    });
+    let edges: Vec<DrawnEdge> = edges.collect();
+    // Vertices that no square has are left out.
+    let vertices: Vec<Vector2<f64>> = vertices.collect();
+    let mut numbers = vec![None; vertices.len()];
+    let mut drawing = Drawing::default();
+    for mut edge in edges {
+        edge.ends = edge.ends.map(|end| {
+            *numbers[end].get_or_insert_with(|| {
+                drawing.vertices.push(vertices[end]);
+                drawing.vertices.len() - 1
+            })
+        });
+        drawing.edges.push(edge);
+    }
+    drawing
+}
+
+#[test]
+fn strips_and_combs_of_stamps_are_planned_whatever_their_letters() {
+    let mut random = Random::new(56);
+    for (squares, teeth) in [(12, 0), (24, 0), (36, 0), (5, 3), (9, 3), (13, 2)] {
+        for case in 0..2 {
+            let pattern = CreasePattern::new(comb(squares, teeth, &mut random)).unwrap();
+            let goal = Goal::of_pattern(&pattern).unwrap();
+            let options = PlanOptions::default();
+            let plan = plan(&pattern, &goal, &options);
+            let name = format!("{squares} squares, teeth of {teeth}, case {case}");
+            assert_eq!(plan.outcome, Outcome::Planned, "{name}");
+            let text = motion_text(plan.motion.as_ref().unwrap());
+            let verdict = check(&path_file(&text).unwrap(), &strict());
+            assert_eq!(verdict.findings(), [""; 0], "{name}");
+            let path = Animation::parse(&text).unwrap();
+            let angles: Vec<_> = pattern.edges().iter().map(|edge| edge.goal).collect();
+            let judged = judge(&path, &angles, &plan, options.bound, CONTACT);
+            assert_eq!(judged.disagreements, [""; 0], "{name}");
+        }
+    }
+}
