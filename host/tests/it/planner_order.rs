@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 49] = [
+const ORDER: [&str; 50] = [
     "vectors",
     "goal",
     "knots",

@@ -57,8 +57,8 @@ fn comb(squares: usize, teeth: usize, random: &mut Random) -> Drawing {
 #[test]
 fn strips_and_combs_of_stamps_are_planned_whatever_their_letters() {
     let mut random = Random::new(56);
-    for (squares, teeth) in [(12, 0), (24, 0), (36, 0), (5, 3), (9, 3), (13, 2)] {
-        for case in 0..2 {
+    for (squares, teeth, cases) in [(12, 0, 3), (24, 0, 1), (36, 0, 1), (5, 3, 3), (9, 3, 1)] {
+        for case in 0..cases {
             let pattern = CreasePattern::new(comb(squares, teeth, &mut random)).unwrap();
             let goal = Goal::of_pattern(&pattern).unwrap();
             let options = PlanOptions::default();
