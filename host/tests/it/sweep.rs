@@ -883,7 +883,7 @@ fn rolls_take_queries_by_the_square_of_their_length() {
     let mut tested = |count: usize| {
         let sheet = squares(count);
         let side = |crease| {
-            let up = random.next_u32() % 2 == 0;
+            let up = random.next_u32().is_multiple_of(2);
             (crease, if up { 180.0 } else { -180.0 })
         };
         let motion = one_by_one(count - 1, &(0..count - 1).map(side).collect::<Vec<_>>());

@@ -7,7 +7,7 @@
 //! times δ, with an error of no more than ½ Σᵢⱼ |δᵢ δⱼ| times the distance from the farther of creases i and j. If one
 //! crease alone turns, the height is followed exactly, as that of a point on a circle.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
@@ -118,19 +118,40 @@ fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[T
     }
 }
 
+/// The turns by which one crease may have turned over a step.
+struct Arc {
+    /// Least and greatest turn, radians, with sine and cosine.
+    ends: [(f64, [f64; 2]); 2],
+}
+
+impl Arc {
+    fn of(Change { by, off }: Change) -> Self {
+        let ends = [by.min(0.0) - off, by.max(0.0) + off];
+        Self {
+            ends: ends.map(|turn| (turn, turn.sin_cos().into())),
+        }
+    }
+}
+
 impl Corner {
     /// Returns the smallest height while one crease alone turns. After a turn by δ, the height is that of the centre of the
     /// circle on which the corner moves, plus m cos δ + g sin δ, with m the height over the crease and g the gradient.
-    fn lowest_on_circle(&self, Change { by, off }: Change) -> f64 {
+    fn lowest_on_circle(&self, Arc { ends }: &Arc) -> f64 {
         let (m, g) = (self.over_crease, self.gradients[0]);
-        let [least, most] = [by.min(0.0) - off, by.max(0.0) + off];
-        let over_centre = |turn: f64| m * turn.cos() + g * turn.sin();
-        let lowest_at = f64::atan2(-g, -m);
-        let full_turns = ((least - lowest_at) / TAU).ceil();
-        let lowest = if lowest_at + full_turns * TAU <= most {
+        let over_centre = ends.map(|(_, [sin, cos])| m * cos + g * sin);
+        let rising = ends.map(|(_, [sin, cos])| g * cos - m * sin >= 0.0);
+        let [least, most] = ends.map(|(turn, _)| turn);
+        // Over half a circle, heights have a lowest point inside if they fall at first and rise at last.
+        let passes_lowest = if most - least <= PI {
+            !rising[0] && rising[1]
+        } else {
+            let lowest_at = f64::atan2(-g, -m);
+            lowest_at + ((least - lowest_at) / TAU).ceil() * TAU <= most
+        };
+        let lowest = if passes_lowest {
             -m.hypot(g)
         } else {
-            over_centre(least).min(over_centre(most))
+            over_centre[0].min(over_centre[1])
         };
         self.height - m + lowest
     }
@@ -142,16 +163,16 @@ impl Parted {
         let turns = self.turns.iter().map(|&turn| changes[turn as usize]);
         let turn = turns.map(|change| change.by.abs() + change.off).sum();
         let depth = over_plane(allowed, self.lean, turn);
-        self.corners
-            .iter()
-            .all(|corner| self.lowest(corner, changes) >= -depth)
+        let mut corners = self.corners.iter();
+        if let [turn] = self.turns[..] {
+            let arc = Arc::of(changes[turn as usize]);
+            return corners.all(|corner| corner.lowest_on_circle(&arc) >= -depth);
+        }
+        corners.all(|corner| self.lowest(corner, changes) >= -depth)
     }
 
     fn lowest(&self, corner: &Corner, changes: &[Change]) -> f64 {
         let change = |turn: usize| changes[self.turns[turn] as usize];
-        if self.turns.len() == 1 {
-            return corner.lowest_on_circle(change(0));
-        }
         let (mut along, mut off, mut curved) = (0.0, 0.0, 0.0);
         // From the moving piece inwards: `moved` bounds the motion of the corner due to the creases passed so
         // far, and `before` sums up the turns of the creases not yet passed.
@@ -166,5 +187,54 @@ impl Parted {
             curved += size * (before + size / 2.0) * reach;
         }
         corner.height + f64::min(along, 0.0) - off - curved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::FRAC_PI_2;
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    #[test]
+    fn the_lowest_place_of_a_circle_is_that_of_its_samples() {
+        let mut random = Pcg64::new(56, 1);
+        let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
+        let mut inside = 0;
+        for case in 0..2000 {
+            let (m, g, height) = (noise(), noise(), noise());
+            // Turns up to a full one, quarters among them.
+            let by = match case % 4 {
+                0 => FRAC_PI_2 * f64::from(case % 7 - 3),
+                _ => TAU * noise(),
+            };
+            let change = Change {
+                by,
+                off: if case % 3 == 0 {
+                    0.0
+                } else {
+                    0.1 * noise().abs()
+                },
+            };
+            let corner = Corner {
+                height,
+                gradients: vec![g],
+                reaches: vec![m.hypot(g)],
+                over_crease: m,
+            };
+            let [least, most] = [by.min(0.0) - change.off, by.max(0.0) + change.off];
+            let heights = (0..=4000).map(|k| {
+                let turn = least + (most - least) * f64::from(k) / 4000.0;
+                height + m * (turn.cos() - 1.0) + g * turn.sin()
+            });
+            let sampled = heights.clone().fold(f64::INFINITY, f64::min);
+            let ends = heights.clone().next().unwrap().min(heights.last().unwrap());
+            inside += u32::from(sampled < ends);
+            let lowest = corner.lowest_on_circle(&Arc::of(change));
+            assert!(lowest <= sampled + 1e-12, "{case}: {lowest} {sampled}");
+            assert!(lowest >= sampled - 1e-5, "{case}: {lowest} {sampled}");
+        }
+        assert!((500..1800).contains(&inside), "{inside}");
     }
 }
