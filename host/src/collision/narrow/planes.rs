@@ -224,12 +224,13 @@ mod tests {
                 over_crease: m,
             };
             let [least, most] = [by.min(0.0) - change.off, by.max(0.0) + change.off];
-            let heights = (0..=4000).map(|k| {
+            let mut heights = (0..=4000).map(|k| {
                 let turn = least + (most - least) * f64::from(k) / 4000.0;
                 height + m * (turn.cos() - 1.0) + g * turn.sin()
             });
             let sampled = heights.clone().fold(f64::INFINITY, f64::min);
-            let ends = heights.clone().next().unwrap().min(heights.last().unwrap());
+            let ends = [heights.next(), heights.next_back()].map(Option::unwrap);
+            let ends = ends[0].min(ends[1]);
             inside += u32::from(sampled < ends);
             let lowest = corner.lowest_on_circle(&Arc::of(change));
             assert!(lowest <= sampled + 1e-12, "{case}: {lowest} {sampled}");

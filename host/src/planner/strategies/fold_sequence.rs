@@ -88,7 +88,7 @@ pub(crate) fn fold_in_sequence(
 type Phases = Vec<Vec<FixedBitSet>>;
 
 /// Reduces the number of phases of a plan: sets of creases that follow each other, and that could each be next, are
-/// folded at once if no faces cross then. Where hinges turn freely, only sets are tried that do not cross at samples.
+/// folded at once if no faces cross then. If hinges turn freely, a set in which samples cross is not tried.
 fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan) -> Plan {
     let mut effort = Effort::default();
     let order = core::mem::take(&mut orders.order).into_iter();
