@@ -397,13 +397,11 @@ fn two_hundred_thousand_random_bytes_do_nothing() {
             world.until(|world| world.reports > reports);
         }
         world.finish();
+        // The clock of the board runs on while a busy machine lets the emulator wait.
+        let waits = [Reason::Silence, Reason::Underrun, Reason::LateTick];
         let reasons = &world.host().reasons;
-        assert!(
-            reasons
-                .iter()
-                .all(|reason| matches!(reason, Reason::None | Reason::Silence | Reason::Underrun)),
-            "{reasons:?}"
-        );
+        let is_wait = |reason: &Reason| *reason == Reason::None || waits.contains(reason);
+        assert!(reasons.iter().all(is_wait), "{reasons:?}");
     });
 }
 
