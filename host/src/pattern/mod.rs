@@ -42,5 +42,6 @@ pub use near::NearLines;
 pub use precision::{Digits, Precision};
 pub use rigidity::Rigidity;
 pub(crate) use trace::twice_area;
+pub(crate) use tree::bodies;
 pub use tree::{SpanningTree, Step};
 pub use unit::Unit;

@@ -37,6 +37,16 @@ pub struct SpanningTree {
     holonomy: OnceLock<Option<Holonomy>>,
 }
 
+/// Returns for each face the first face of its body, given the faces that are joined rigidly, each with the face before it
+/// along the tree, in the order of the tree.
+pub(crate) fn bodies(faces: usize, joined: impl IntoIterator<Item = [u32; 2]>) -> Vec<FaceId> {
+    let mut bodies: Vec<FaceId> = (0..faces).map(FaceId::new).collect();
+    for [before, face] in joined {
+        bodies[face as usize] = bodies[before as usize];
+    }
+    bodies
+}
+
 impl SpanningTree {
     /// Makes a breadth-first tree from a central face of each sheet, which halves the depth and, with the
     /// depth, the growth of errors. Cost: linear.

@@ -167,8 +167,9 @@ impl<'a> Approach<'a> {
         chain
     }
 
-    /// Sums up the levers of the creases of a chain that turn from now on. The lever of a crease is its distance from one end of the chain (0 or
-    /// 1), as `reach` returns it: from the first end for creases up to some crease, from the second end for the others.
+    /// Sums up the levers of the creases of a chain that turn from now on. The lever of a crease is its distance from one end
+    /// of the chain (0 or 1), as `reach` returns it: from the first end for creases up to some crease, from the second end for
+    /// the others.
     fn gather(
         &mut self,
         sheet: &mut PlacedPieces<'_>,
@@ -176,14 +177,13 @@ impl<'a> Approach<'a> {
         reach: impl Fn(usize, &Axis) -> f64,
     ) {
         self.levers.clear();
-        let PlacedPieces { motion, time, .. } = &*sheet;
-        let turns = |link: &&Link| !motion.rests_from(link.group as usize, *time);
-        let pairs: Vec<&Link> = self.chains.pairs(chain).iter().filter(turns).collect();
-        let singles: Vec<&Link> = self.chains.singles(chain).iter().filter(turns).collect();
-        for link in pairs {
+        let (motion, time) = (sheet.motion.clone(), sheet.time);
+        let turns = |link: &&Link| !motion.rests_from(link.group as usize, time);
+        for link in self.chains.pairs(chain).iter().filter(turns) {
             let width = sheet.width(link) + chain.tear;
             self.levers.add(link.group, width);
         }
+        let singles: Vec<&Link> = self.chains.singles(chain).iter().filter(turns).collect();
         let Some(last) = singles.len().checked_sub(1) else {
             return;
         };

@@ -7,7 +7,7 @@ use fixedbitset::FixedBitSet;
 
 use super::stops::angles;
 use crate::collision::Crossing;
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::{CreaseId, CreasePattern, FaceId, bodies};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::problem::PlanningProblem;
@@ -36,7 +36,6 @@ pub(super) struct SampledCrossing {
 /// The phases of a sheet that were sampled.
 pub(super) struct PhaseSamples<'a> {
     problem: &'a PlanningProblem<'a>,
-    pattern: &'a CreasePattern,
     /// Number of faces that may yet be placed for samples.
     left: usize,
     judge: Judge<'a>,
@@ -57,7 +56,6 @@ impl<'a> PhaseSamples<'a> {
         Self {
             problem,
             left: FEWEST_FACES.max(FACES_PER_PAIR * faces * faces),
-            pattern: problem.pattern,
             judge: Judge::new(problem, reduction, problem.options.collision),
             goal: goal.to_vec(),
             known: HashMap::new(),
@@ -80,17 +78,7 @@ impl<'a> PhaseSamples<'a> {
         if let Some(known) = self.known.get(&sets) {
             return *known;
         }
-        let mut free = 0.0;
-        let found = SAMPLES.iter().find_map(|&part| {
-            let found = self.sample(&sets, part);
-            if found.is_none() {
-                free = part;
-            }
-            Some(SampledCrossing {
-                free,
-                faces: found?.faces,
-            })
-        });
+        let found = self.first(&sets, &SAMPLES);
         self.known.insert(sets, found);
         found
     }
@@ -99,37 +87,41 @@ impl<'a> PhaseSamples<'a> {
     /// that cross do.
     pub(super) fn is_free(&mut self, before: &FixedBitSet, phase: &FixedBitSet) -> bool {
         let sets = [before.clone(), phase.clone()];
-        if !self.known.contains_key(&sets)
-            && let Some(Crossing { faces, .. }) = self.sample(&sets, 1.0)
-        {
-            self.known
-                .insert(sets, Some(SampledCrossing { free: 0.0, faces }));
-            return false;
+        if let Some(known) = self.known.get(&sets) {
+            return known.is_none();
         }
-        self.crossing(before, phase).is_none()
+        let (within, end) = SAMPLES.split_at(SAMPLES.len() - 1);
+        let at_end = self.first(&sets, end);
+        let found = at_end.or_else(|| self.first(&sets, within));
+        self.known.insert(sets, found);
+        found.is_none()
     }
 
-    /// Returns the deepest crossing at a part of a phase, given the creases folded before and those that turn, of faces that
-    /// the phase moves relative to each other.
-    fn sample(&mut self, [before, phase]: &[FixedBitSet; 2], part: f64) -> Option<Crossing> {
+    /// Returns the crossing at the first of some parts of a phase at which faces cross that it moves relative to each other,
+    /// given the creases folded before and those that turn.
+    fn first(
+        &mut self,
+        [before, phase]: &[FixedBitSet; 2],
+        parts: &[f64],
+    ) -> Option<SampledCrossing> {
+        let pattern = self.problem.pattern;
+        let faces = pattern.faces().len();
+        let turns = |crease: CreaseId| phase[crease.index()];
+        let steps = pattern.tree().steps().iter();
+        let joined = steps.filter(|step| !step.crease.is_some_and(turns));
+        let bodies = bodies(faces, joined.map(|step| [step.parent.0, step.face.0]));
         let mut at = angles(&self.goal, before);
-        for crease in phase.ones() {
-            at[crease] = self.goal[crease] * part;
-        }
-        let bodies = self.bodies(phase);
-        self.left = self.left.saturating_sub(bodies.len());
-        self.judge.crossing_of_bodies(&at, &bodies)
-    }
-
-    /// Returns for each face the first face of its body: of the faces that are at rest relative to each other while the
-    /// creases of a phase turn.
-    fn bodies(&self, phase: &FixedBitSet) -> Vec<FaceId> {
-        let mut bodies: Vec<FaceId> = (0..self.pattern.faces().len()).map(FaceId::new).collect();
-        for step in self.pattern.tree().steps() {
-            if step.crease.is_none_or(|crease| !phase[crease.index()]) {
-                bodies[step.face.index()] = bodies[step.parent.index()];
+        let mut free = 0.0;
+        for &part in parts {
+            for crease in phase.ones() {
+                at[crease] = self.goal[crease] * part;
             }
+            self.left = self.left.saturating_sub(faces);
+            if let Some(Crossing { faces, .. }) = self.judge.crossing_of_bodies(&at, &bodies) {
+                return Some(SampledCrossing { free, faces });
+            }
+            free = part;
         }
-        bodies
+        None
     }
 }

@@ -107,10 +107,11 @@ impl StopSearch for Candidates<'_> {
     fn learn(&mut self, plan: &Plan) {
         if let Outcome::Crossing(crossing) = plan.outcome {
             let phase = plan.ended_phases().min(self.tried.len() - 1);
-            let faces = crossing.faces;
+            #[allow(clippy::cast_precision_loss, reason = "counts of phases")]
+            let free = plan.reached * self.tried.len() as f64 - phase as f64;
+            let (free, faces) = (free.clamp(0.0, 1.0), crossing.faces);
             let first = self.tried[..=phase].to_vec();
-            self.crossed
-                .insert(first, SampledCrossing { free: 0.5, faces });
+            self.crossed.insert(first, SampledCrossing { free, faces });
             self.split(phase, faces, plan.reached);
         }
     }

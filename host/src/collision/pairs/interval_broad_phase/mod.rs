@@ -26,7 +26,7 @@ use crate::collision::tolerances::{
 };
 use crate::folding::{Hinge, Pose, Product, place_all};
 use crate::lattice::{AngleVariation, DeviationBound};
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::{CreasePattern, FaceId, bodies};
 
 /// A value at the beginning of an interval, in its middle and at its end.
 type Three<T> = [T; 3];
@@ -159,16 +159,18 @@ impl IntervalBroadPhase {
                 .group()
                 .is_none_or(|group| motion.rests(group, segment))
         };
-        let (bodies, faces) = (&mut self.bodies, self.poses.len());
-        near::find_bodies(bodies, &self.hinges, hierarchy, faces, rests);
-        self.spans.clone_from(&self.reaches);
         self.resting.clear();
-        let is_crease_at_rest = |hinge: &Hinge| hinge.turns.is_some() && rests(hinge);
-        if !self.hinges.iter().any(is_crease_at_rest) {
-            self.resting.resize(self.hinges.len(), false);
+        self.resting.extend(self.hinges.iter().map(rests));
+        let hinges = || self.hinges.iter().zip(&self.resting);
+        let faces = self.poses.len();
+        let joined = hinges().filter(|(_, rests)| **rests);
+        let of_faces = bodies(faces, joined.map(|(hinge, _)| [hinge.from, hinge.to]));
+        near::find_bodies(&mut self.bodies, &of_faces, hierarchy);
+        self.spans.clone_from(&self.reaches);
+        if !hinges().any(|(hinge, rests)| *rests && hinge.turns.is_some()) {
+            self.resting.fill(false);
             return;
         }
-        self.resting.extend(self.hinges.iter().map(rests));
         // Distances across hinges that rest are those in the sheet as it is now.
         let mut pivots: Vec<Option<Vector3<f64>>> = vec![None; faces];
         for ((hinge, span), &rests) in self.hinges.iter().zip(&mut self.spans).zip(&self.resting) {

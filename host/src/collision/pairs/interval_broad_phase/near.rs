@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use super::IntervalBroadPhase;
 use crate::collision::hierarchy::Hierarchy;
 use crate::collision::pieces::Pieces;
-use crate::folding::Hinge;
 use crate::pattern::FaceId;
 use crate::util::parallel;
 
@@ -170,19 +169,12 @@ fn is_far(gap: f64, [touching, within]: [f64; 2]) -> bool {
     gap > touching && gap >= within
 }
 
-/// Finds for each cluster its body, named by one of the body's faces, if all of its pieces are on one: all creases between
-/// them along the tree rest, so that they keep their places relative to each other.
+/// Finds for each cluster the body that has all its pieces, if one has, given the body of each face.
 pub(super) fn find_bodies(
     bodies: &mut Vec<Option<FaceId>>,
-    hinges: &[Hinge],
+    of_faces: &[FaceId],
     hierarchy: &Hierarchy,
-    faces: usize,
-    rests: impl Fn(&Hinge) -> bool,
 ) {
-    let mut of_faces: Vec<FaceId> = (0..faces).map(FaceId::new).collect();
-    for hinge in hinges.iter().filter(|hinge| rests(hinge)) {
-        of_faces[hinge.to as usize] = of_faces[hinge.from as usize];
-    }
     bodies.clear();
     for node in &hierarchy.nodes {
         // Children come before their cluster.
