@@ -12,12 +12,10 @@ use foldpath::read::fold::PatternFile;
 use foldpath::view::{Scene, page};
 use foldpath_core::Interpolation;
 use foldpath_tests::{Animation, Planned, path_file, strict};
-use headless_chrome::browser::tab::ModifierKey;
-use headless_chrome::protocol::cdp::Page::SetDownloadBehavior;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use serde_json::{Value, json};
 
-use crate::chromium::{PATIENCE, View};
+use crate::chromium::{PATIENCE, SHIFT, View};
 
 /// Returns the page's data for a planned path, which is written and read again.
 fn scene(planned: &Planned) -> Scene {
@@ -158,7 +156,7 @@ fn keys_and_buttons_drive_576_faces() {
     view.key("ArrowLeft");
     assert_eq!(view.run("foldpath.position()"), json!(0.99));
     view.key("Home");
-    view.key_with("ArrowRight", &[ModifierKey::Shift]);
+    view.key_with("ArrowRight", SHIFT);
     let knots = scene.motion.times.len();
     let readout = view.text("#readout");
     assert!(readout.contains(&format!("2 of {knots}")), "{readout}");
@@ -284,11 +282,8 @@ fn a_click_picks_the_hinge_there_and_lights_its_group() {
 fn the_picture_is_saved_as_an_image() {
     let view = View::open(&scene(&planned("miura-3x3")), &[]);
     let folder = tempfile::tempdir().unwrap();
-    let to: SetDownloadBehavior = serde_json::from_value(json!({
-        "behavior": "allow", "downloadPath": folder.path(),
-    }))
-    .unwrap();
-    view.tab.call_method(to).unwrap();
+    let to = json!({ "behavior": "allow", "downloadPath": folder.path() });
+    view.call("Page.setDownloadBehavior", to);
     view.click("#save");
     let image = folder.path().join("Miura 3x3.png");
     let start = Instant::now();
@@ -518,10 +513,7 @@ fn browser_without_webgl_is_told_and_still_gets_curves() {
     let view = View::open(&scene(&planned("miura-3x3")), &["--disable-3d-apis"]);
     let message = view.text("#message");
     assert!(message.contains("WebGL"), "{message}");
-    assert_eq!(
-        view.run("document.querySelectorAll('.curve').length"),
-        json!(5)
-    );
+    view.wait_for("document.querySelectorAll('.curve').length === 5");
     assert_eq!(
         view.run("element('colours').checkVisibility()"),
         json!(false)

@@ -17,8 +17,8 @@ use foldpath_tests::meshes::{self, variant};
 use foldpath_tests::{Animation, CONTACT, Closure, Planned, Random, judge, path_file, strict};
 
 /// Number of sheets of each family, and of each family of large sheets.
-const EACH: u64 = 20;
-const LARGE: u64 = 3;
+const EACH: u64 = 10;
+const LARGE: u64 = 2;
 
 /// Plans a sheet to its own goal.
 fn planned(drawing: Drawing, options: &PlanOptions) -> Planned {

@@ -2,36 +2,32 @@
 //!
 //! `tests/run` installs Chromium. The environment variable `CHROME` names another program than `/usr/bin/chromium`.
 
+use core::cell::RefCell;
 use core::time::Duration;
-use std::ffi::OsStr;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::Instant;
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use foldpath::view::{Scene, page};
 use foldpath_tests::Random;
-use headless_chrome::browser::tab::ModifierKey;
-use headless_chrome::protocol::cdp::Emulation::SetDeviceMetricsOverride;
-use headless_chrome::protocol::cdp::Input::DispatchMouseEvent;
-use headless_chrome::protocol::cdp::Log::LogEntryLevel;
-use headless_chrome::protocol::cdp::Network;
-use headless_chrome::protocol::cdp::Page::CaptureScreenshotFormatOption::Png;
-use headless_chrome::protocol::cdp::types::Event;
-use headless_chrome::{Browser, LaunchOptions, Tab};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::devtools::Devtools;
+
 /// Longest time that a busy machine may take for anything.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Keys that are held while another is pressed, as the protocol has them.
+pub(crate) const SHIFT: u32 = 8;
+
 /// A page that is open in a browser of its own.
 pub(crate) struct View {
-    pub(crate) tab: Arc<Tab>,
-    /// Errors, messages and requests, none of which a page causes that works by itself.
-    complaints: Arc<Mutex<Vec<String>>>,
-    _browser: Browser,
+    devtools: RefCell<Devtools>,
+    /// Address of the page.
+    url: String,
     _directory: TempDir,
 }
 
@@ -48,64 +44,44 @@ impl View {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("path.html");
         std::fs::write(&file, html).unwrap();
-        let url = format!("file://{}", file.display());
-
-        let switches = [
+        let profile = directory.path().join("profile");
+        let profile = format!("--user-data-dir={}", profile.display());
+        let common = [
+            &*profile,
             "--use-gl=angle",
             "--use-angle=swiftshader",
             "--enable-unsafe-swiftshader",
             "--disable-component-update",
             "--disable-quic",
             "--hide-scrollbars",
-        ]
-        .iter()
-        .chain(switches)
-        .map(OsStr::new)
-        .collect();
-        let browser = Browser::new(LaunchOptions {
-            path: Some(chromium()),
-            sandbox: false, // a container's root user cannot have one
-            user_data_dir: Some(directory.path().join("profile")),
-            args: switches,
-            idle_browser_timeout: PATIENCE,
-            ..LaunchOptions::default()
-        })
-        .expect("Chromium starts");
-
-        let tab = browser.new_tab().unwrap();
-        tab.set_default_timeout(PATIENCE);
-        tab.enable_runtime().unwrap();
-        tab.enable_log().unwrap();
-        let network: Network::Enable = serde_json::from_value(json!({})).unwrap();
-        tab.call_method(network).unwrap();
-        let size: SetDeviceMetricsOverride = serde_json::from_value(json!({
-            "width": 1200, "height": 800, "deviceScaleFactor": 1, "mobile": false,
-        }))
-        .unwrap();
-        tab.call_method(size).unwrap();
-        let complaints = Arc::<Mutex<Vec<String>>>::default();
-        let (list, own) = (complaints.clone(), url.clone());
-        tab.add_event_listener(Arc::new(move |event: &Event| {
-            list.lock().unwrap().extend(complaint(event, &own));
-        }))
-        .unwrap();
-
-        tab.navigate_to(&url)
-            .unwrap()
-            .wait_until_navigated()
-            .unwrap();
-        Self {
-            tab,
-            complaints,
-            _browser: browser,
+        ];
+        let switches: Vec<&str> = common.iter().chain(switches).copied().collect();
+        let view = Self {
+            devtools: RefCell::new(Devtools::start(&chromium(), &switches, PATIENCE)),
+            url: format!("file://{}", file.display()),
             _directory: directory,
+        };
+        for domain in ["Runtime", "Log", "Network", "Page"] {
+            view.call(&format!("{domain}.enable"), json!({}));
         }
+        let size = json!({ "width": 1200, "height": 800, "deviceScaleFactor": 1, "mobile": false });
+        view.call("Emulation.setDeviceMetricsOverride", size);
+        view.call("Page.navigate", json!({ "url": view.url }));
+        view.wait_for("document.readyState === 'complete' && location.href !== 'about:blank'");
+        view
+    }
+
+    /// Calls a method of the protocol and returns its result.
+    pub(crate) fn call(&self, method: &str, parameters: Value) -> Value {
+        self.devtools.borrow_mut().call(method, parameters)
     }
 
     /// Evaluates a JavaScript expression and returns its value.
     pub(crate) fn run(&self, script: &str) -> Value {
-        let result = self.tab.evaluate(script, false).unwrap();
-        result.value.unwrap_or_default()
+        let answer = self.call("Runtime.evaluate", json!({ "expression": script }));
+        let thrown = &answer["exceptionDetails"];
+        assert!(thrown.is_null(), "{script}: {thrown}");
+        answer["result"]["value"].clone()
     }
 
     pub(crate) fn text(&self, selector: &str) -> String {
@@ -118,26 +94,54 @@ impl View {
         self.run("foldpath.drawn()")
     }
 
+    /// Returns left, top, width and height of an element, scrolled into view, in pixels of the window.
+    fn place(&self, selector: &str) -> [f64; 4] {
+        let text = self.run(&format!(
+            "(element => {{ element.scrollIntoViewIfNeeded(); const r = element.getBoundingClientRect();
+             return JSON.stringify([r.left, r.top, r.width, r.height]); }})(document.querySelector('{selector}'))"
+        ));
+        serde_json::from_str(text.as_str().unwrap()).unwrap()
+    }
+
+    fn middle(&self, selector: &str) -> [f64; 2] {
+        let [left, top, width, height] = self.place(selector);
+        [left + width / 2.0, top + height / 2.0]
+    }
+
+    fn mouse(&self, kind: &str, [x, y]: [f64; 2]) {
+        let event = json!({ "type": kind, "button": "left", "clickCount": 1, "x": x, "y": y });
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    fn click_point(&self, at: [f64; 2]) {
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            self.mouse(kind, at);
+        }
+    }
+
     pub(crate) fn click(&self, selector: &str) {
-        self.tab.find_element(selector).unwrap().click().unwrap();
+        self.click_point(self.middle(selector));
     }
 
     pub(crate) fn key(&self, key: &str) {
-        self.tab.press_key(key).unwrap();
+        self.key_with(key, 0);
     }
 
-    pub(crate) fn key_with(&self, key: &str, modifiers: &[ModifierKey]) {
-        let pressed = self.tab.press_key_with_modifiers(key, Some(modifiers));
-        pressed.unwrap();
+    /// Presses a key while these others are held.
+    pub(crate) fn key_with(&self, key: &str, modifiers: u32) {
+        let mut event = json!({ "type": "keyDown", "key": key, "modifiers": modifiers });
+        if key.chars().count() == 1 {
+            event["text"] = json!(key);
+        }
+        self.call("Input.dispatchKeyEvent", event.clone());
+        event["type"] = json!("keyUp");
+        self.call("Input.dispatchKeyEvent", event);
     }
 
     /// Clicks at this pixel of the canvas.
     pub(crate) fn click_at(&self, x: f64, y: f64) {
-        let script = "(r => JSON.stringify([r.left, r.top]))(canvas.getBoundingClientRect())";
-        let corner: [f64; 2] = serde_json::from_str(self.run(script).as_str().unwrap()).unwrap();
-        let (x, y) = (corner[0] + x, corner[1] + y);
-        let point = headless_chrome::browser::tab::point::Point { x, y };
-        self.tab.click_point(point).unwrap();
+        let [left, top, ..] = self.place("canvas");
+        self.click_point([left + x, top + y]);
     }
 
     /// Clicks the middle of an edge.
@@ -184,45 +188,55 @@ impl View {
             assert!(
                 start.elapsed() < PATIENCE,
                 "in vain: {condition}; {:?}",
-                self.complaints.lock().unwrap()
+                self.complaints()
             );
             sleep(Duration::from_millis(20));
         }
     }
 
     pub(crate) fn drag(&self, selector: &str, (dx, dy): (f64, f64)) {
-        let from = self.tab.find_element(selector).unwrap();
-        let from = from.get_midpoint().unwrap();
+        let [x, y] = self.middle(selector);
         for (kind, part) in [
             ("mousePressed", 0.0),
             ("mouseMoved", 0.5),
             ("mouseMoved", 1.0),
             ("mouseReleased", 1.0),
         ] {
-            let event: DispatchMouseEvent = serde_json::from_value(json!({
-                "type": kind, "button": "left", "clickCount": 1,
-                "x": from.x + part * dx, "y": from.y + part * dy,
-            }))
-            .unwrap();
-            self.tab.call_method(event).unwrap();
+            self.mouse(kind, [x + part * dx, y + part * dy]);
         }
     }
 
     /// Returns a PNG of the sheet.
     pub(crate) fn canvas(&self) -> Vec<u8> {
-        let canvas = self.tab.find_element("canvas").unwrap();
-        canvas.capture_screenshot(Png).unwrap()
+        let [x, y, width, height] = self.place("canvas");
+        let clip = json!({ "x": x, "y": y, "width": width, "height": height, "scale": 1 });
+        self.picture(json!({ "clip": clip }))
     }
 
     /// Returns a PNG of the page.
     pub(crate) fn screenshot(&self) -> Vec<u8> {
-        self.tab.capture_screenshot(Png, None, None, true).unwrap()
+        self.picture(json!({}))
+    }
+
+    fn picture(&self, of: Value) -> Vec<u8> {
+        let answer = self.call("Page.captureScreenshot", of);
+        BASE64_STANDARD
+            .decode(answer["data"].as_str().unwrap())
+            .unwrap()
+    }
+
+    /// Returns errors, messages and requests so far, none of which a page causes that works by itself.
+    fn complaints(&self) -> Vec<String> {
+        let devtools = self.devtools.borrow();
+        let complaints = devtools.events.iter();
+        complaints
+            .filter_map(|event| complaint(event, &self.url))
+            .collect()
     }
 
     pub(crate) fn assert_quiet(&self) {
         assert_eq!(self.run("foldpath.errors.join('; ')"), json!(""));
-        let complaints = self.complaints.lock().unwrap();
-        assert!(complaints.is_empty(), "{complaints:#?}");
+        assert_eq!(self.complaints(), [""; 0]);
     }
 }
 
@@ -245,15 +259,14 @@ fn assert_same_shape(time: f64, found: &[Vector3<f64>], expected: &[Vector3<f64>
     }
 }
 
-fn complaint(event: &Event, own: &str) -> Option<String> {
-    match event {
-        Event::RuntimeExceptionThrown(e) => Some(format!("{:?}", e.params.exception_details)),
-        Event::RuntimeConsoleAPICalled(e) => Some(format!("{:?}", e.params.args)),
-        Event::LogEntryAdded(e) if e.params.entry.level == LogEntryLevel::Error => {
-            Some(e.params.entry.text.clone())
-        }
-        Event::NetworkRequestWillBeSent(e) if e.params.request.url != own => {
-            Some(format!("request for {}", e.params.request.url))
+fn complaint(event: &Value, own: &str) -> Option<String> {
+    let told = &event["params"];
+    match event["method"].as_str()? {
+        "Runtime.exceptionThrown" => Some(told["exceptionDetails"].to_string()),
+        "Runtime.consoleAPICalled" => Some(told["args"].to_string()),
+        "Log.entryAdded" if told["entry"]["level"] == "error" => Some(told["entry"].to_string()),
+        "Network.requestWillBeSent" if told["request"]["url"] != own => {
+            Some(format!("request for {}", told["request"]["url"]))
         }
         _ => None,
     }

@@ -12,6 +12,7 @@ mod claims;
 mod closed_forms;
 mod controller_figures;
 mod controller_image;
+mod devtools;
 mod drawn;
 mod emulated_patterns;
 mod emulated_power;

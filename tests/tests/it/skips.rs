@@ -1,6 +1,7 @@
 //! Does skipping pairs of faces leave the verdict of the search for crossings unchanged? It must only change the amount
 //! of work.
 
+use core::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use foldpath::planner::{Goal, Plan, PlanOptions, Skips, plan};
@@ -8,6 +9,8 @@ use foldpath::read::read_pattern;
 
 /// Largest number of faces of patterns that are tried with each switch alone.
 const SMALL: usize = 60;
+/// Largest number of faces of patterns that are tried in seconds.
+const MIDDLE: usize = 400;
 
 fn patterns() -> impl Iterator<Item = PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patterns");
@@ -66,8 +69,8 @@ fn compare(file: &Path, switches: &[Skips]) {
     }
 }
 
-fn is_small(file: &Path) -> bool {
-    read_pattern(file).unwrap().pattern.faces().len() <= SMALL
+fn faces_of(file: &Path) -> usize {
+    read_pattern(file).unwrap().pattern.faces().len()
 }
 
 #[test]
@@ -91,16 +94,16 @@ fn verdicts_do_not_hang_on_what_is_skipped() {
         },
         NONE,
     ];
-    let small: Vec<PathBuf> = patterns().filter(|file| is_small(file)).collect();
+    let small: Vec<PathBuf> = patterns().filter(|file| faces_of(file) <= SMALL).collect();
     assert!(small.len() >= 5, "{small:?}");
     for file in small {
         compare(&file, &one_off);
     }
 }
 
-#[test]
-fn verdicts_of_large_patterns_do_not_either() {
-    for file in patterns().filter(|file| !is_small(file)) {
+/// Compares the plans of patterns with these numbers of faces, without the skip by symmetry and without all skips.
+fn compare_large(faces: RangeInclusive<usize>) {
+    for file in patterns().filter(|file| faces.contains(&faces_of(file))) {
         println!("{}", file.display());
         compare(
             &file,
@@ -113,4 +116,16 @@ fn verdicts_of_large_patterns_do_not_either() {
             ],
         );
     }
+}
+
+#[test]
+fn verdicts_of_large_patterns_do_not_either() {
+    compare_large(SMALL + 1..=MIDDLE);
+}
+
+/// The long form, in the full tier.
+#[test]
+#[ignore = "takes a minute"]
+fn verdicts_of_the_largest_patterns_do_not_either() {
+    compare_large(MIDDLE + 1..=usize::MAX);
 }
