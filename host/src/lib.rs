@@ -3,7 +3,7 @@
 //!
 //! # From file to motion
 //!
-//! 1. [`read`] reads a [`pattern`] from FOLD, SVG, CP or OPX: a planar graph of creases with the goal's
+//! 1. [`read`] reads a [`pattern`] from FOLD, SVG, DXF, CP or OPX: a planar graph of creases with the goal's
 //!    fold angles.
 //! 2. [`symmetry`] finds *crease groups* (creases that turn alike) and *essential vertices* (one for
 //!    each distinct closure condition). A Miura fold of any size has 2 groups and 1 such vertex.

@@ -66,8 +66,7 @@ pub(crate) fn plan(
     let read = Arc::clone(&sheet.read);
     let mut request: PlanRequest = request(py, options)?;
     if request.reading != ReadingRequest::default() {
-        let text =
-            "--tolerance, --straighten, --colors and --dashes: expected when the pattern is read";
+        let text = "--tolerance, --straighten, --colors, --layers and --dashes: expected when the pattern is read";
         return Err(usage(py, text.into()));
     }
     request.reading = read.reading.clone();

@@ -142,9 +142,9 @@ pub(crate) enum At {
 #[derive(Debug, Args)]
 #[command(after_help = examples(["info miura.fold", "info miura.fold --json --timeout 2"]))]
 pub(crate) struct Info {
-    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .dxf, .cp, .opx or .obj
     ///
-    /// In an SVG file the colours are those of Origami Simulator.
+    /// In an SVG file the colours are those of Origami Simulator. In a DXF file layers have names such as CUT and VALLEY.
     pub(crate) pattern: PathBuf,
     /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
     #[arg(long, value_name = "SECONDS")]
@@ -249,9 +249,9 @@ pub(crate) struct Report {
     "plan miura.fold --symmetry off --collision off --json",
 ]))]
 pub(crate) struct Plan {
-    /// Crease pattern: a FOLD file, or a file that ends in .svg, .cp, .opx or .obj
+    /// Crease pattern: a FOLD file, or a file that ends in .svg, .dxf, .cp, .opx or .obj
     ///
-    /// In an SVG file the colours are those of Origami Simulator.
+    /// In an SVG file the colours are those of Origami Simulator. In a DXF file layers have names such as CUT and VALLEY.
     pub(crate) pattern: PathBuf,
     #[command(flatten)]
     pub(crate) request: Options<PlanRequest>,

@@ -78,7 +78,7 @@ fn checked(args: &Export) -> Result<ExportOptions, CliError> {
         ..reading.clone()
     };
     if without_unit != ReadingRequest::default() && (format.needs)(&options) == Needs::Path {
-        let text = "--tolerance, --straighten, --colors and --dashes: expected --to svg with colours by letters or groups, which reads drawings";
+        let text = "--tolerance, --straighten, --colors, --layers and --dashes: expected --to svg with colours by letters or groups, which reads drawings";
         return usage(text.into());
     }
     if format.place != Place::File && is_standard(&args.output) {

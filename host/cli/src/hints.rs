@@ -248,8 +248,6 @@ fn of_content(path: &Path) -> Option<String> {
         ORIEDITA
     } else if ending == "orh" {
         "it seems to be a file of Orihime or Oriedita: export the drawing as CP or FOLD, with a name in .cp or .fold"
-    } else if ending == "dxf" {
-        "DXF is not read: export the drawing as SVG, with a name in .svg"
     } else if matches!(ending.as_str(), "pdf" | "ai" | "eps") {
         "only lines in SVG are read: export the drawing as SVG, with a name in .svg"
     } else if ending == "tmd5" || first == "tree" {
@@ -267,7 +265,7 @@ fn of_content(path: &Path) -> Option<String> {
     } else if numbers == 5 {
         "it seems to be a CP drawing: its name has to end in .cp"
     } else if !first.starts_with('{') && !matches!(ending.as_str(), "fold" | "json") {
-        "a name's ending says its format: .fold, .svg, .cp or .opx, or for folded shapes .obj or .stl, of which `foldpath \
+        "a name's ending says its format: .fold, .svg, .dxf, .cp or .opx, or for folded shapes .obj or .stl, of which `foldpath \
          unfold` makes a crease pattern; all others are read as FOLD"
     } else {
         return None;

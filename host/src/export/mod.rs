@@ -2,6 +2,8 @@
 //! what `foldpath export` makes. A format is a file of this folder with a row here.
 
 pub mod csv;
+#[cfg(feature = "dxf")]
+mod dxf;
 pub mod fold;
 pub mod glb;
 mod groups;
@@ -190,6 +192,15 @@ pub const FORMATS: &[Format] = &[
         options: &["colour", "numbers"],
         needs: |options| options.colour.needs(),
         make: svg_pattern::made,
+    },
+    #[cfg(feature = "dxf")]
+    Format {
+        name: "dxf",
+        text: "Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side",
+        place: Place::File,
+        options: &[],
+        needs: |_| Needs::PathOrPattern,
+        make: dxf::made,
     },
     Format {
         name: "mjcf",

@@ -34,6 +34,40 @@ pub(super) const STRAIGHT_CREASE: &str = "a straight crease, as rigid panels tur
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Curve(pub(super) [Vector2<f64>; 4]);
 
+/// A piece of an outline.
+pub(super) enum Piece {
+    Line([Vector2<f64>; 2]),
+    Curve(Curve),
+}
+
+#[cfg(feature = "dxf")]
+impl Piece {
+    /// Returns its ends, and between them the control points of a curve.
+    pub(super) fn hull(&self) -> &[Vector2<f64>] {
+        match self {
+            Self::Line(ends) => ends,
+            Self::Curve(Curve(hull)) => hull,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(super) fn hull_mut(&mut self) -> &mut [Vector2<f64>] {
+        match self {
+            Self::Line(ends) => ends,
+            Self::Curve(Curve(hull)) => hull,
+        }
+    }
+
+    /// Returns the line between the ends of a curve that runs along it within a distance, and the piece itself otherwise.
+    pub(super) fn straight(&self, within: f64) -> Self {
+        match *self {
+            Self::Curve(curve) if curve.is_straight(within) => Self::Line([curve.0[0], curve.0[3]]),
+            Self::Curve(curve) => Self::Curve(curve),
+            Self::Line(ends) => Self::Line(ends),
+        }
+    }
+}
+
 /// Curves of one drawing that become chords.
 pub(super) struct Chords {
     /// Largest distance between a curve and its chords.
@@ -115,6 +149,32 @@ impl Chords {
             curves: 0,
             chords: 0,
             compared: 0,
+        }
+    }
+
+    /// Prepares the chords of the curves of a drawing of these pieces.
+    pub(super) fn of_pieces<'p>(pieces: impl Iterator<Item = &'p Piece>) -> Self {
+        let (mut points, mut ends) = (Vec::new(), Vec::new());
+        for piece in pieces {
+            match piece {
+                Piece::Line([from, to]) | Piece::Curve(Curve([from, .., to])) => {
+                    ends.extend([*from, *to]);
+                }
+            }
+            if let Piece::Curve(Curve(hull)) = piece {
+                points.extend(hull);
+            }
+        }
+        points.extend(&ends);
+        Self::new(&points, ends)
+    }
+
+    /// Returns the ends of the lines that a piece becomes, from its start to its end. Returns `None` if the drawing has too
+    /// many chords.
+    pub(super) fn lines_of(&mut self, piece: &Piece) -> Option<Vec<[Vector2<f64>; 2]>> {
+        match piece {
+            Piece::Line(ends) => Some(vec![*ends]),
+            Piece::Curve(curve) => Some(self.of(curve)?.windows(2).map(|p| [p[0], p[1]]).collect()),
         }
     }
 

@@ -3,8 +3,12 @@
 //! The ending of a file's name selects the reader, or for bytes without a name their content. Every reader bounds the
 //! memory and time that a file can ask for.
 
+#[cfg(feature = "svg")]
+mod colour;
 mod cp;
 mod curves;
+#[cfg(feature = "dxf")]
+mod dxf;
 mod error;
 pub mod fold;
 mod format;
@@ -26,14 +30,14 @@ use std::path::Path;
 
 pub use error::FileError;
 pub use format::Format;
-pub use options::{ColourLetters, ColourLettersError, ReadOptions, Straighten, TOLERANCE};
+pub use options::{ColourLetters, LayerLetters, LettersError, ReadOptions, Straighten, TOLERANCE};
 
 use crate::pattern::{CreasePattern, Unit};
 use crate::progress::{Progress, Stage, Watch};
 use crate::straighten::{self, straightened};
 use crate::unfold::FoldedShape;
 
-/// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.cp`, `.opx` or `.obj`;
+/// Reads a crease pattern from a file. The ending of the name selects the format: `.svg`, `.dxf`, `.cp`, `.opx` or `.obj`;
 /// every other ending is read as FOLD.
 ///
 /// # Errors
@@ -119,12 +123,12 @@ fn parse_within(
         Format::Svg => svg::parse_pattern(path, text(path, bytes)?, options, watch),
         #[cfg(feature = "svg")]
         Format::Opx => opx::parse_pattern(path, text(path, bytes)?, options, watch),
+        #[cfg(feature = "dxf")]
+        Format::Dxf => dxf::parse_pattern(path, bytes, options, watch),
         #[cfg(not(feature = "svg"))]
-        Format::Svg | Format::Opx => {
-            let expected = "a format of this program, which was built without its feature `svg`";
-            let found = format.described();
-            Err(FileError::expected(path, "the file", expected, found))
-        }
+        Format::Svg | Format::Opx => Err(not_built(path, format, "svg")),
+        #[cfg(not(feature = "dxf"))]
+        Format::Dxf => Err(not_built(path, format, "dxf")),
         Format::Cp => cp::parse_pattern(path, text(path, bytes)?, options, watch),
         Format::Obj => obj::parse_pattern(path, text(path, bytes)?, watch),
         Format::Fold | Format::Stl => fold::parse_within(path, bytes, options, watch),
@@ -135,6 +139,14 @@ fn parse_within(
         file.pattern.measured_in(Some(unit));
     }
     Ok(file)
+}
+
+/// Returns the error that this program was built without the reader of a format.
+#[cfg(not(all(feature = "svg", feature = "dxf")))]
+fn not_built(path: &Path, format: Format, feature: &str) -> FileError {
+    let expected =
+        format!("a format of this program, which was built without its feature `{feature}`");
+    FileError::expected(path, "the file", expected, format.described())
 }
 
 /// Checks that a unit of lengths that the user tells does not contradict that of a file. `path` names the file in errors.

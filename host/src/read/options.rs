@@ -28,9 +28,11 @@ pub struct ReadOptions {
     /// Frame of a FOLD file with the pattern; the key frame is 0. Without it, the first frame of class `creasePattern` is
     /// read, or else the key frame.
     pub frame: Option<usize>,
-    /// Letters of the colours of an SVG drawing. A colour that is not among them has its usual letter.
+    /// Letters of the colours of an SVG or DXF drawing. A colour that is not among them has its usual letter.
     pub colours: ColourLetters,
-    /// Letter of the dashed lines of an SVG drawing. Without it, a dashed line has the letter of its colour.
+    /// Letters of the layers of a DXF drawing. A layer that is not among them has the letter of its name or its colour.
+    pub layers: LayerLetters,
+    /// Letter of the dashed lines of an SVG or DXF drawing. Without it, a dashed line has the letter of its colour or layer.
     pub dashes: Option<Letter>,
 }
 
@@ -72,7 +74,7 @@ impl ReadOptions {
                 return wrong("the tolerance", &expected, tolerance.to_string());
             }
             if format == Format::Obj {
-                let expected = "a drawing of lines: SVG, CP, OPX, or FOLD without faces";
+                let expected = "a drawing of lines: SVG, DXF, CP, OPX, or FOLD without faces";
                 return wrong("the tolerance", expected, "an OBJ file".into());
             }
         }
@@ -80,12 +82,17 @@ impl ReadOptions {
             let expected = "a FOLD file, which has frames";
             return wrong("the frame", expected, format.described());
         }
-        if !self.colours.is_empty() && format != Format::Svg {
-            let expected = "an SVG drawing, whose lines have colours";
+        let is_styled = matches!(format, Format::Svg | Format::Dxf);
+        if !self.colours.is_empty() && !is_styled {
+            let expected = "an SVG drawing or a DXF drawing, whose lines have colours";
             return wrong("letters of colours", expected, format.described());
         }
-        if self.dashes.is_some() && format != Format::Svg {
-            let expected = "an SVG drawing, which has dashed lines";
+        if !self.layers.is_empty() && format != Format::Dxf {
+            let expected = "a DXF drawing, which has layers";
+            return wrong("letters of layers", expected, format.described());
+        }
+        if self.dashes.is_some() && !is_styled {
+            let expected = "an SVG drawing or a DXF drawing, which has dashed lines";
             return wrong("the letter of dashes", expected, format.described());
         }
         Ok(())
@@ -120,50 +127,125 @@ impl ColourLetters {
 
 impl core::fmt::Display for ColourLetters {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        for (index, ColourLetter { name, letter, .. }) in self.0.iter().enumerate() {
-            let comma = if index > 0 { "," } else { "" };
-            write!(f, "{comma}{name}={}", letter.code())?;
-        }
-        Ok(())
+        write_pairs(f, self.0.iter().map(|it| (&*it.name, it.letter)))
     }
 }
 
-/// The part of a text that gives no colour a letter.
+/// Letters of layers, parsed from text such as `CUT=B,CREASE=V`. Layers are told apart without regard to case.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LayerLetters(Vec<(String, Letter)>);
+
+impl LayerLetters {
+    /// Returns `true` if no layer is given a letter.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Returns the letter that a layer is given, if it is.
+    #[cfg(feature = "dxf")]
+    pub(super) fn of(&self, layer: &str) -> Option<Letter> {
+        let mut layers = self.0.iter();
+        let found = layers.find(|(name, _)| name.to_uppercase() == layer.to_uppercase());
+        found.map(|(_, letter)| *letter)
+    }
+
+    #[cfg(feature = "dxf")]
+    pub(super) fn iter(&self) -> impl Iterator<Item = &(String, Letter)> {
+        self.0.iter()
+    }
+}
+
+impl core::fmt::Display for LayerLetters {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let pairs = self.0.iter().map(|(name, letter)| (&**name, *letter));
+        write_pairs(f, pairs)
+    }
+}
+
+impl FromStr for LayerLetters {
+    type Err = LettersError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut letters: Vec<(String, Letter)> = Vec::new();
+        for part in text.split(',') {
+            let (name, letter) = pair(part, "LAYER=LETTER, such as CUT=B")?;
+            if name.is_empty() {
+                return Err(LettersError::of("the name of a layer", part));
+            }
+            let is_same = |known: &(String, Letter)| known.0.to_uppercase() == name.to_uppercase();
+            if letters
+                .iter()
+                .any(|known| is_same(known) && known.1 != letter)
+            {
+                return Err(LettersError::of("one letter for each layer", part));
+            }
+            letters.push((name.into(), letter));
+        }
+        Ok(Self(letters))
+    }
+}
+
+/// Writes names with their letters as they are parsed.
+fn write_pairs<'n>(
+    f: &mut core::fmt::Formatter<'_>,
+    pairs: impl Iterator<Item = (&'n str, Letter)>,
+) -> core::fmt::Result {
+    for (index, (name, letter)) in pairs.enumerate() {
+        let comma = if index > 0 { "," } else { "" };
+        write!(f, "{comma}{name}={}", letter.code())?;
+    }
+    Ok(())
+}
+
+/// Parses a name and its letter.
+fn pair<'t>(part: &'t str, expected: &'static str) -> Result<(&'t str, Letter), LettersError> {
+    let pair = part.split_once('=');
+    let (name, code) = pair.ok_or_else(|| LettersError::of(expected, part))?;
+    let letter = Letter::from_code(code.trim());
+    let letters = "a letter, one of B, M, V, F, U, C and J";
+    let letter = letter.ok_or_else(|| LettersError::of(letters, code))?;
+    Ok((name.trim(), letter))
+}
+
+/// The part of a text that gives no colour and no layer a letter.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 #[error("expected {expected}, found {found:?}")]
-pub struct ColourLettersError {
+pub struct LettersError {
     /// Description of what the part has to be.
     pub expected: &'static str,
     /// The part as it was written.
     pub found: String,
 }
 
+impl LettersError {
+    fn of(expected: &'static str, found: &str) -> Self {
+        Self {
+            expected,
+            found: found.trim().into(),
+        }
+    }
+}
+
 impl FromStr for ColourLetters {
-    type Err = ColourLettersError;
+    type Err = LettersError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut letters: Vec<ColourLetter> = Vec::new();
         for part in text.split(',') {
-            let wrong = |expected, found: &str| ColourLettersError {
-                expected,
-                found: found.trim().into(),
-            };
-            let pair = part.split_once('=');
-            let (name, code) = pair.ok_or_else(|| wrong("COLOUR=LETTER, such as red=V", part))?;
-            let colour = opaque(name.trim()).ok_or_else(|| {
+            let (name, letter) = pair(part, "COLOUR=LETTER, such as red=V")?;
+            let colour = opaque(name).ok_or_else(|| {
                 let expected =
                     "a colour, by a name of CSS such as red or in digits such as #ff0000";
-                wrong(expected, name)
+                LettersError::of(expected, name)
             })?;
-            let letter = Letter::from_code(code.trim())
-                .ok_or_else(|| wrong("a letter, one of B, M, V, F, U, C and J", code))?;
             let twice = |known: &ColourLetter| known.colour == colour && known.letter != letter;
             if letters.iter().any(twice) {
-                return Err(wrong("one letter for each colour", part));
+                return Err(LettersError::of("one letter for each colour", part));
             }
             letters.push(ColourLetter {
-                name: name.trim().into(),
+                name: name.into(),
                 colour,
                 letter,
             });

@@ -11,7 +11,6 @@
 //! programs write as many.
 
 mod alpha;
-mod colour;
 mod hidden;
 mod limits;
 mod numbers;
@@ -26,9 +25,9 @@ use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, ImageHrefResolver, Node, Options, Paint, Tree, roxmltree};
 
 use self::alpha::Codes;
-use self::colour::Kind;
 use self::viewport::{Affine, Viewport};
-use super::curves::{Chords, Curve, STRAIGHT_CREASE};
+use super::colour::Kind;
+use super::curves::{Chords, Curve, Piece, STRAIGHT_CREASE};
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
 use super::segments::{LooseLines, MAX_LINES, Segment, Written, pattern_file};
@@ -100,7 +99,7 @@ pub(super) fn parse_pattern(
     if has_angles {
         notes.push("goal angles from the opacity of strokes, 180 degrees where opaque".into());
     }
-    let mut chords = chords(&strokes);
+    let mut chords = Chords::of_pieces(strokes.iter().flat_map(|stroke| &stroke.lines.pieces));
     let mut segments = Vec::new();
     for stroke in &strokes {
         let letter = stroke.kind.letter();
@@ -111,16 +110,8 @@ pub(super) fn parse_pattern(
                 let most = format!("at most {MAX_LINES} lines");
                 wrong(("the curves of the drawing".into(), most, "more".into()))
             };
-            let places = match piece {
-                Piece::Line(ends) => ends.to_vec(),
-                Piece::Curve(curve) => chords.of(curve).ok_or_else(too_many)?,
-            };
-            let pairs = places.windows(2);
-            segments.extend(pairs.map(|pair| Segment {
-                ends: [pair[0], pair[1]],
-                letter,
-                goal,
-            }));
+            let lines = chords.lines_of(piece).ok_or_else(too_many)?.into_iter();
+            segments.extend(lines.map(|ends| Segment { ends, letter, goal }));
         }
     }
     notes.extend(chords.note());
@@ -140,24 +131,6 @@ pub(super) fn parse_pattern(
         notes,
     };
     pattern_file(path, lines, options, watch)
-}
-
-/// Prepares the chords of the curves of all strokes.
-fn chords(strokes: &[Stroke]) -> Chords {
-    let pieces = strokes.iter().flat_map(|stroke| &stroke.lines.pieces);
-    let (mut points, mut ends) = (Vec::new(), Vec::new());
-    for piece in pieces {
-        match piece {
-            Piece::Line([from, to]) | Piece::Curve(Curve([from, .., to])) => {
-                ends.extend([*from, *to]);
-            }
-        }
-        if let Piece::Curve(Curve(hull)) = piece {
-            points.extend(hull);
-        }
-    }
-    points.extend(&ends);
-    Chords::new(&points, ends)
 }
 
 /// Notes the colours that were given letters although no line has them.
@@ -340,12 +313,6 @@ struct Stroke {
     opacity: f64,
     dashed: bool,
     lines: Lines,
-}
-
-/// A piece of a path.
-enum Piece {
-    Line([Vector2<f64>; 2]),
-    Curve(Curve),
 }
 
 /// The lines of a path on the sheet, y pointing up.

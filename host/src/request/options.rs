@@ -23,7 +23,7 @@ use crate::planner::{
     MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
     Timing, Vertices,
 };
-use crate::read::{ColourLetters, ReadOptions, Straighten, TOLERANCE};
+use crate::read::{ColourLetters, LayerLetters, ReadOptions, Straighten, TOLERANCE};
 use crate::util::range::Range;
 
 /// Largest error of a drive.
@@ -162,7 +162,7 @@ options! {
         /// Distance within which lines of a drawing are meant to meet, in the drawing's own units
         ///
         /// By default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance
-        /// that keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces.
+        /// that keeps lines which end in the open. For SVG, DXF, CP and OPX files, and FOLD files without faces.
         tolerance: Option<f64> = None, heading: "Drawing", value_name: "LENGTH", range: Some(TOLERANCE);
 
         /// Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly do
@@ -182,7 +182,7 @@ options! {
         /// A unit that differs from that of the file is an error. Places, lengths, paths and models have the unit of the file.
         unit: Option<Unit> = None, heading: "Drawing", value_name: "UNIT";
 
-        /// Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V
+        /// Letters of the colours of an SVG or DXF drawing, such as red=V,blue=M,#00ff00=V
         ///
         /// Colours are names of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut)
         /// and J (joins a panel). A colour that is not named counts as the nearest named colour of its hue; without one it
@@ -190,9 +190,16 @@ options! {
         colors: Option<ColourLetters> = None, heading: "Drawing", value_name: "NAME=LETTER,..."
             => |read, letters| read.colours = letters.clone().unwrap_or_default();
 
-        /// Letter of the dashed lines of an SVG drawing, whatever their colour
+        /// Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V
         ///
-        /// Without this option dashes mean nothing: a dashed line has the letter of its colour.
+        /// Letters are those of `--colors`. A layer that is not named has the letter that its name says (words such as CUT,
+        /// BORDER, MOUNTAIN, VALLEY, CREASE), or else its lines have the letters of their colours; notes tell which.
+        layers: Option<LayerLetters> = None, heading: "Drawing", value_name: "NAME=LETTER,..."
+            => |read, letters| read.layers = letters.clone().unwrap_or_default();
+
+        /// Letter of the dashed lines of an SVG or DXF drawing, whatever their colour
+        ///
+        /// Without this option dashes mean nothing: a dashed line has the letter of its colour or layer.
         dashes: Option<Letter> = None, heading: "Drawing", value_name: "LETTER";
     }
 }

@@ -9,7 +9,7 @@ use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
 use crate::pattern::{Letter, Unit};
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
-use crate::read::{ColourLetters, ColourLettersError, Straighten};
+use crate::read::{ColourLetters, LayerLetters, LettersError, Straighten};
 
 /// Something that is done or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,19 +75,25 @@ impl<const N: usize> OptionValue for EdgeAngles<N> {
     }
 }
 
-impl OptionValue for ColourLetters {
-    const KIND: Kind = Kind::Text;
+/// Gives letters of names their form on the command line and in JSON. An error names the part of the text that is wrong.
+macro_rules! letters {
+    ($($Type:ty),*) => {
+        $(impl OptionValue for $Type {
+            const KIND: Kind = Kind::Text;
 
-    /// The error names the part of the text that is wrong.
-    fn read(value: &Value) -> Result<Self, String> {
-        let letters = value.as_str().unwrap_or_default().parse();
-        letters.map_err(|error: ColourLettersError| error.to_string())
-    }
+            fn read(value: &Value) -> Result<Self, String> {
+                let letters = value.as_str().unwrap_or_default().parse();
+                letters.map_err(|error: LettersError| error.to_string())
+            }
 
-    fn json(&self) -> Value {
-        self.to_string().into()
-    }
+            fn json(&self) -> Value {
+                self.to_string().into()
+            }
+        })*
+    };
 }
+
+letters!(ColourLetters, LayerLetters);
 
 impl OptionValue for Unit {
     const KIND: Kind = Kind::Names(&[

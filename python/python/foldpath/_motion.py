@@ -15,7 +15,7 @@ from ._convert import File, Floats, Integers, contiguous, floats, integers, is_f
 from ._error import FoldpathError
 from ._pattern import Source, content
 
-Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "mjcf", "joint-trajectory"]
+Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "mjcf", "joint-trajectory"]
 
 
 class Motion:
@@ -126,6 +126,7 @@ class Motion:
         - ``obj``: Sequence of Wavefront OBJ files, one for each frame; ``file`` is a folder, or the beginning of the names
         - ``glb``: Binary glTF 2.0 with the motion as an animation
         - ``svg``: Coloured drawing of the crease pattern
+        - ``dxf``: Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side
         - ``mjcf``: Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel; ``file`` is a folder
         - ``joint-trajectory``: ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
 

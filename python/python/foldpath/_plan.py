@@ -99,6 +99,7 @@ def plan(
     frame: int | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     colors: str | None = None,
+    layers: str | None = None,
     dashes: Literal["V", "M", "F", "U"] | None = None,
     jobs: int | None = None,
 ) -> Plan:
@@ -155,7 +156,7 @@ def plan(
       rounded. In front of a small face, at most a thousandth of the face counts
     - ``tolerance``: Distance within which lines of a drawing are meant to meet, in the drawing's own units. By
       default it is a thousandth of the median line, but at most 1e-4 of the diagonal. Notes name the tolerance that
-      keeps lines which end in the open. For SVG, CP and OPX files, and FOLD files without faces
+      keeps lines which end in the open. For SVG, DXF, CP and OPX files, and FOLD files without faces
     - ``straighten``: Move vertices a little, so that lines are straight or parallel and creases fold flat that nearly
       do. No vertex moves farther than twice the tolerance. By default only sheets that do not fold as they are drawn
       are straightened. Notes tell how many vertices are moved, and by how much
@@ -164,12 +165,15 @@ def plan(
       only from folded frames that inherit from the frame
     - ``unit``: Unit of the lengths of a file that names none. A unit that differs from that of the file is an error.
       Places, lengths, paths and models have the unit of the file
-    - ``colors``: Letters of the colours of an SVG drawing, such as red=V,blue=M,#00ff00=V. Colours are names of CSS
-      or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a panel). A
-      colour that is not named counts as the nearest named colour of its hue; without one it has the meaning of
-      Origami Simulator
-    - ``dashes``: Letter of the dashed lines of an SVG drawing, whatever their colour. Without this option dashes mean
-      nothing: a dashed line has the letter of its colour
+    - ``colors``: Letters of the colours of an SVG or DXF drawing, such as red=V,blue=M,#00ff00=V. Colours are names
+      of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a
+      panel). A colour that is not named counts as the nearest named colour of its hue; without one it has the meaning
+      of Origami Simulator
+    - ``layers``: Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V. Letters are those of `--colors`. A
+      layer that is not named has the letter that its name says (words such as CUT, BORDER, MOUNTAIN, VALLEY, CREASE),
+      or else its lines have the letters of their colours; notes tell which
+    - ``dashes``: Letter of the dashed lines of an SVG or DXF drawing, whatever their colour. Without this option
+      dashes mean nothing: a dashed line has the letter of its colour or layer
     """
     given = dict(locals())
     pattern, jobs = given.pop("pattern"), given.pop("jobs")

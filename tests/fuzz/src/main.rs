@@ -20,6 +20,7 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
         "goal" => |bytes| drop(said(fold::parse_goal(Path::new("a.fold"), bytes, &SHEET))),
         "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
+        "dxf" => |bytes| drop(said(parse_pattern(Path::new("a.dxf"), bytes))),
         "cp" => |bytes| drop(said(parse_pattern(Path::new("a.cp"), bytes))),
         "opx" => |bytes| drop(said(parse_pattern(Path::new("a.opx"), bytes))),
         "obj" => |bytes| {

@@ -606,7 +606,7 @@ fn dashes_are_creases_if_they_are_given_a_letter() {
     folder.write("a.cp", &flap_in_cp());
     let refused = folder.run("info a.cp --dashes V").with_status(2).stderr;
     assert!(
-        refused.contains("the letter of dashes: expected an SVG drawing"),
+        refused.contains("the letter of dashes: expected an SVG drawing or a DXF drawing"),
         "{refused}"
     );
     folder.write("b.svg", &flap_in_svg("black"));

@@ -131,7 +131,7 @@ fn usage() {
         batch designs.jsonl -o results.jsonl --jobs 0
         batch designs.jsonl -o results.jsonl --timeout 0
         batch designs.jsonl -o - --resume
-        export path.fold --to dxf -o a.dxf
+        export path.fold --to dwg -o a.dwg
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
         stream path.traj --to sim --script events.txt --log events.txt

@@ -483,10 +483,9 @@ fn every_option_is_set_by_its_name() {
             Kind::Names(names) => json!(names.last().unwrap().0),
             Kind::EdgeAngle => json!(["4=-45", "5=30"]),
             Kind::EdgeRange => json!("7=-30..60"),
-            _ => json!(if info.name == "colors" {
-                "red=V"
-            } else {
-                "a.fold"
+            _ => json!(match info.name {
+                "colors" | "layers" => "red=V",
+                _ => "a.fold",
             }),
         };
         request.set(&info.flag(), &given).unwrap();

@@ -277,11 +277,58 @@ fn svg_bombs() {
     );
 }
 
+/// Blocks in blocks, arrays of arrays, and as many things as the bytes can list.
+#[test]
+fn dxf_bombs() {
+    let folder = folder();
+    let file = |blocks: &str, entities: &str| {
+        format!(
+            "0\nSECTION\n2\nBLOCKS\n{blocks}0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
+        )
+    };
+    let insert = |name: usize, cells: i16| {
+        format!("0\nINSERT\n8\n0\n2\nB{name}\n70\n{cells}\n71\n{cells}\n")
+    };
+    let mut blocks = "0\nBLOCK\n2\nB0\n0\nLINE\n8\nCUT\n11\n1\n0\nENDBLK\n".to_string();
+    for level in 1..20 {
+        let inner = insert(level - 1, 1).repeat(10);
+        blocks += &format!("0\nBLOCK\n2\nB{level}\n{inner}0\nENDBLK\n");
+    }
+    let most = "each place of a block counted";
+    for (name, text, words) in [
+        ("blocks.dxf", file(&blocks, &insert(19, 1)), most),
+        ("arrays.dxf", file(&blocks, &insert(0, i16::MAX)), most),
+        (
+            "lines.dxf",
+            file("", &"0\nLINE\n".repeat(1 << 20)),
+            "at most 262144 things",
+        ),
+        (
+            "vertices.dxf",
+            file(
+                "",
+                &format!("0\nLWPOLYLINE\n{}", "10\n1\n".repeat(4_500_000)),
+            ),
+            "a line of at most 4194304 pieces",
+        ),
+    ] {
+        folder.write(name, &text);
+        assert_bounded(&folder, name, words);
+    }
+    let long = ["0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n", "0\nEOF\n"];
+    write(&folder, "long.dxf", long, LONG, |_| "10\n1\n".into());
+    assert_bounded(
+        &folder,
+        "long.dxf",
+        "the file: expected at most 32 MiB, found more",
+    );
+}
+
 /// A file that never ends is not read to its end.
 #[test]
 fn endless_files() {
     let folder = folder();
-    for name in ["endless.svg", "endless.cp"] {
+    for name in ["endless.svg", "endless.cp", "endless.dxf"] {
         std::os::unix::fs::symlink("/dev/zero", folder.path(name)).unwrap();
         assert_bounded(&folder, name, "MiB, found more");
     }

@@ -10,6 +10,7 @@ mod cuts_and_holes;
 mod drawings;
 mod drawn_alike;
 mod drive;
+mod dxf;
 mod errors;
 mod exchange;
 mod export;

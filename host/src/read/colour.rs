@@ -1,8 +1,8 @@
 //! Letters of the colours of a drawing.
 
+use super::options::{ColourLetter, ColourLetters};
 use crate::colours::hex;
 use crate::pattern::Letter;
-use crate::read::options::{ColourLetter, ColourLetters};
 
 /// Interpretation of a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
