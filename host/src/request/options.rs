@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use foldpath_core::{Interpolation, Objective};
 
 use super::error::RequestError;
+use super::order::Order;
 use super::table::{self, options};
 use super::values::{EdgeAngles, Frames, Switch};
 use crate::check::CheckOptions;
@@ -54,6 +55,13 @@ options! {
         ///
         /// The path passes through several such files in the order given.
         via: Vec<PathBuf> = Vec::new(), heading: "Goal", value_name: "FILE" => |_, _| ();
+
+        /// Steps of edges that fold one after the other, such as "0-3 / 8-11 / 5=135,7 / 5"
+        ///
+        /// In its step each edge goes to its goal angle, or to the angle given, in degrees; an edge may stand in several
+        /// steps. Edges that are not named fold in a last step. Borders in a range are skipped. The path rests between the
+        /// steps. Hinges of other steps move only as closure requires.
+        order: Option<Order> = None, heading: "Goal", value_name: "STEPS", excludes: &["crease", "via"] => |_, _| ();
 
         /// Largest distance of a crease from its goal angle at the end of the path, degrees
         goal_tolerance: f64 = DEFAULT_GOAL_TOLERANCE_DEG, heading: "Goal", value_name: "DEG",

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::error::RequestError;
 use super::hints::nearest_hinge;
 use super::options::PlanRequest;
+use super::order::Order;
 use super::table::Request as _;
 use super::values::{EdgeAngles, Frames};
 use crate::pattern::{CreaseId, CreasePattern};
@@ -34,6 +35,8 @@ pub struct PlanTask {
     held_flat: Vec<String>,
     /// `true` if the goal is the pattern's own, or that of its letters.
     is_own_goal: bool,
+    /// Order of the hinges.
+    order: Option<Order>,
 }
 
 impl PlanRequest {
@@ -58,6 +61,7 @@ impl PlanRequest {
         Ok(PlanTask {
             held_flat: self.held_flat(&file.pattern, &goal),
             is_own_goal: self.goal.is_none() && self.crease.is_empty(),
+            order: self.order.clone(),
             goal,
             options,
         })
@@ -86,9 +90,11 @@ impl PlanRequest {
             let source = format!("the goal angles of {name}");
             Ok(Goal::chosen(pattern, angles, source))
         };
-        if !self.via.is_empty() && self.search == Search::Random {
+        let option = if self.order.is_some() { "order" } else { "via" };
+        let has_phases = self.order.is_some() || !self.via.is_empty();
+        if has_phases && self.search == Search::Random {
             let problem = "expected search auto or path, as the randomised search knows no phases";
-            return Err(RequestError::option("via", problem).into());
+            return Err(RequestError::option(option, problem).into());
         }
         let mut goal = match (&self.goal, self.fold, &self.crease[..]) {
             (Some(path), ..) => chosen(path)?,
@@ -114,6 +120,9 @@ impl PlanRequest {
         };
         let via = self.via.iter().map(|path| chosen(path));
         goal.via = via.collect::<Result<_, _>>()?;
+        if let Some(order) = &self.order {
+            goal.via = order.stops(pattern, &goal)?;
+        }
         Ok(goal)
     }
 
@@ -165,7 +174,11 @@ impl PlanRequest {
 }
 
 /// Returns the crease of an edge that an option names.
-fn crease(pattern: &CreasePattern, option: &str, edge: usize) -> Result<CreaseId, RequestError> {
+pub(super) fn crease(
+    pattern: &CreasePattern,
+    option: &str,
+    edge: usize,
+) -> Result<CreaseId, RequestError> {
     let found = pattern.edges().get(edge);
     found.and_then(|edge| edge.crease).ok_or_else(|| {
         let found = match found {
@@ -192,6 +205,10 @@ impl PlanTask {
             motion.title.clone_from(&file.title);
         }
         let mut remarks = self.held_flat;
+        let is_yes = matches!(plan.outcome, Outcome::Planned | Outcome::Undecided);
+        if let (Some(order), Some(motion), false) = (&self.order, &plan.motion, is_yes) {
+            remarks.push(format!("the path ends in {}", order.step(motion.phases.len())));
+        }
         if self.is_own_goal {
             let watch = Watch::new(progress).until(deadline);
             remarks.extend(in_the_way(&file.pattern, plan.outcome, watch));

@@ -3,13 +3,14 @@
 use foldpath_core::{Interpolation, Objective};
 use serde_json::Value;
 
+use super::order::Order;
 use super::table::{Kind, OptionValue, word};
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
 use crate::pattern::{Letter, Unit};
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
-use crate::read::{ColourLetters, LayerLetters, LettersError, Straighten};
+use crate::read::{ColourLetters, LayerLetters, Straighten};
 
 /// Something that is done or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,15 +76,15 @@ impl<const N: usize> OptionValue for EdgeAngles<N> {
     }
 }
 
-/// Gives letters of names their form on the command line and in JSON. An error names the part of the text that is wrong.
-macro_rules! letters {
+/// Gives lists their form on the command line and in JSON. An error names the part of the text that is wrong.
+macro_rules! lists {
     ($($Type:ty),*) => {
         $(impl OptionValue for $Type {
             const KIND: Kind = Kind::Text;
 
             fn read(value: &Value) -> Result<Self, String> {
-                let letters = value.as_str().unwrap_or_default().parse();
-                letters.map_err(|error: LettersError| error.to_string())
+                let list = value.as_str().unwrap_or_default().parse::<Self>();
+                list.map_err(|error| error.to_string())
             }
 
             fn json(&self) -> Value {
@@ -93,7 +94,7 @@ macro_rules! letters {
     };
 }
 
-letters!(ColourLetters, LayerLetters);
+lists!(ColourLetters, LayerLetters, Order);
 
 impl OptionValue for Unit {
     const KIND: Kind = Kind::Names(&[

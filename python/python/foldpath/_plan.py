@@ -73,6 +73,7 @@ def plan(
     fold: float | None = None,
     crease: Mapping[int, float] | Iterable[str] | str | None = None,
     via: Iterable[File] | File | None = None,
+    order: str | None = None,
     goal_tolerance: float = 1.0,
     limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | None = None,
     keep: bool = False,
@@ -125,6 +126,10 @@ def plan(
       Edges are counted from 0
     - ``via``: FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable. The
       path passes through several such files in the order given
+    - ``order``: Steps of edges that fold one after the other, such as "0-3 / 8-11 / 5=135,7 / 5". In its step each
+      edge goes to its goal angle, or to the angle given, in degrees; an edge may stand in several steps. Edges that
+      are not named fold in a last step. Borders in a range are skipped. The path rests between the steps. Hinges of
+      other steps move only as closure requires
     - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
     - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
       from 0

@@ -485,6 +485,7 @@ fn every_option_is_set_by_its_name() {
             Kind::EdgeRange => json!("7=-30..60"),
             _ => json!(match info.name {
                 "colors" | "layers" => "red=V",
+                "order" => "4 / 2-3=90,1",
                 _ => "a.fold",
             }),
         };

@@ -22,6 +22,7 @@ mod keys;
 mod noes;
 mod odd_files;
 mod options;
+mod order;
 mod outlook;
 mod path_file;
 mod patterns;

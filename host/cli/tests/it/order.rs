@@ -1,0 +1,156 @@
+//! Hinges fold in the order that the user asks for.
+
+use serde_json::{Value, json};
+
+use crate::common::folder;
+
+/// Returns a strip of panels with these lengths, whose hinges are valleys with these goal angles, degrees. The hinges are the
+/// edges from 0 on.
+fn strip(lengths: &[f64], goals: &[f64]) -> String {
+    let mut x = vec![0.0];
+    for length in lengths {
+        x.push(x[x.len() - 1] + length);
+    }
+    let (count, last) = (x.len(), x.len() - 1);
+    let lower = x.iter().map(|x| json!([x, 0]));
+    let vertices: Vec<Value> = lower.chain(x.iter().map(|x| json!([x, 1]))).collect();
+    let hinges = (1..last).map(|k| [k, count + k]);
+    let sides = (0..last).flat_map(|k| [[k, k + 1], [count + k, count + k + 1]]);
+    let ends = [[0, count], [last, count + last]];
+    let edges: Vec<[usize; 2]> = hinges.chain(sides).chain(ends).collect();
+    let letter = |k: usize| if k < goals.len() { "V" } else { "B" };
+    let angle = |k: usize| goals.get(k).copied().unwrap_or(0.0);
+    json!({
+        "file_spec": 1.2,
+        "vertices_coords": vertices,
+        "edges_vertices": edges,
+        "edges_assignment": (0..edges.len()).map(letter).collect::<Vec<_>>(),
+        "edges_foldAngle": (0..edges.len()).map(angle).collect::<Vec<_>>(),
+    })
+    .to_string()
+}
+
+/// Plans in an order and returns the angles of the first hinges at the knots, degrees.
+fn planned(text: &str, options: &str, hinges: usize) -> Vec<Vec<f64>> {
+    let folder = folder();
+    folder.write("a.fold", text);
+    let plan = folder
+        .command("plan a.fold -o path.fold --order")
+        .arg(options)
+        .output()
+        .unwrap();
+    assert!(
+        plan.status.success(),
+        "{}",
+        String::from_utf8_lossy(&plan.stderr)
+    );
+    let path = folder.read_json("path.fold");
+    let frames = path["file_frames"].as_array().unwrap().iter();
+    let angles = frames.filter_map(|frame| frame["edges_foldAngle"].as_array());
+    let angles = angles.map(|angles| {
+        angles[..hinges]
+            .iter()
+            .map(|angle| angle.as_f64().unwrap())
+            .collect()
+    });
+    angles.collect()
+}
+
+/// Returns the knots at which the hinges turn, and for each hinge the first and the last knot before and after which it rests.
+fn turning(knots: &[Vec<f64>], hinge: usize) -> [usize; 2] {
+    let turns = |k: &usize| (knots[*k][hinge] - knots[*k + 1][hinge]).abs() > 1e-9;
+    let mut turning = (0..knots.len() - 1).filter(turns);
+    let first = turning.next().unwrap();
+    [first, turning.next_back().unwrap_or(first) + 1]
+}
+
+#[test]
+fn hinges_turn_in_their_steps_alone() {
+    let text = strip(&[1.0, 1.0, 1.0, 1.0, 1.0], &[60.0, 70.0, 80.0, 50.0]);
+    let knots = planned(&text, "2 / 0,1", 4);
+    let [first, second, third, last] = [2, 0, 1, 3].map(|hinge| turning(&knots, hinge));
+    assert!(
+        first[1] <= second[0] && second == third && third[1] <= last[0],
+        "{knots:?}"
+    );
+    let end = knots.last().unwrap();
+    for (angle, goal) in end.iter().zip([60.0, 70.0, 80.0, 50.0]) {
+        assert!((angle - goal).abs() < 1e-9, "{end:?}");
+    }
+    // A range has borders in it, and a hinge that stands twice goes beyond its goal and returns.
+    let knots = planned(&text, "0-1=100 / 0-9", 4);
+    let most = |hinge: usize| knots.iter().map(|knot| knot[hinge]).fold(0.0, f64::max);
+    assert!(
+        (most(0) - 100.0).abs() < 1e-9 && (most(1) - 100.0).abs() < 1e-9,
+        "{knots:?}"
+    );
+    assert!((knots.last().unwrap()[0] - 60.0).abs() < 1e-9);
+}
+
+/// Where creases meet, those of other steps move with them.
+#[test]
+fn creases_that_meet_move_together() {
+    let folder = folder();
+    folder.done("generate miura --rows 3 --cols 3 -o a.fold");
+    let plan = folder
+        .done("plan a.fold -o path.fold --json --order 4 --fold 0.5")
+        .json();
+    assert_eq!(plan["outcome"], "planned", "{plan}");
+    assert_eq!(plan["options"]["order"], "4");
+}
+
+#[test]
+fn the_step_that_fails_is_named() {
+    let folder = folder();
+    folder.write("a.fold", &strip(&[1.5, 1.0, 1.0], &[90.0, 90.0]));
+    for (order, step) in [
+        ("1 / 0=170 / 0", "step 2 of the order (edges 0=170)"),
+        ("1 / 0=170", "step 2"),
+    ] {
+        let mut command = folder.command("plan a.fold --json --order");
+        let answer = command.arg(order).output().unwrap();
+        assert_eq!(answer.status.code(), Some(1));
+        let plan: Value = serde_json::from_slice(&answer.stdout).unwrap();
+        assert_eq!(plan["outcome"], "crossing", "{plan}");
+        let notes = plan["notes"].to_string();
+        assert!(
+            notes.contains(&format!("the path ends in {step}")),
+            "{notes}"
+        );
+        assert!(
+            plan["reason"]
+                .as_str()
+                .unwrap()
+                .starts_with("faces 0 and 2 pass through each other"),
+            "{plan}"
+        );
+    }
+    for (order, words) in [
+        ("0 / x", "expected an edge such as 5"),
+        ("0 / 3-1", "expected an edge such as 5"),
+        ("0=999", "expected an angle from -180 to 180 degrees"),
+        ("", "expected an edge such as 5"),
+        ("7", "edge 7: expected a hinge between two faces"),
+        ("0-99", "edge 99: expected a hinge between two faces"),
+    ] {
+        let mut command = folder.command("plan a.fold --order");
+        let answer = command.arg(order).output().unwrap();
+        let said = String::from_utf8_lossy(&answer.stderr).into_owned();
+        assert_eq!(answer.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("order") && said.contains(words),
+            "{words}: {said}"
+        );
+    }
+    folder.write(
+        "b.fold",
+        &strip(&[1.0, 1.0], &[90.0])
+            .replace("\"V\"", "\"U\"")
+            .replace("90.0", "null"),
+    );
+    let said = folder
+        .run("plan b.fold --order 0 --fold 0.5")
+        .with_status(2)
+        .stderr;
+    assert!(!said.is_empty());
+}
