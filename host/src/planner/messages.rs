@@ -201,9 +201,10 @@ impl Display for Reason {
     }
 }
 
-/// Says how far a path leads.
+/// Says how far a path leads that ends before the goal: rounded down, and never the whole.
 fn of_the_goal(reached: f64) -> String {
-    format!("as far as {:.1} % of the goal's angles", 100.0 * reached)
+    let tenths = (1000.0 * reached).floor().min(999.0);
+    format!("as far as {:.1} % of the goal's angles", tenths / 10.0)
 }
 
 /// Says why a path stops; `at_flat` tells that it does not even leave flat.
@@ -246,6 +247,14 @@ impl Display for Note {
                 "{branches} first steps found that leave the flat sheet with these signs; the path takes that which \
                  leads farthest"
             ),
+            Self::OtherCompletions(others) => {
+                let [s, their] = if *others == 1 { ["", "has"] } else { ["s", "have"] };
+                write!(
+                    f,
+                    "{others} other closed configuration{s} found {their} the driven creases at their angles; letters or \
+                     more driven creases choose between them"
+                )
+            }
             Self::Straightened(how) => {
                 write!(f, "{how}, as the sheet does not fold as it is drawn")
             }
@@ -278,6 +287,10 @@ impl Display for Note {
             }
             Self::Deforming => f.write_str(
                 "no exact motion leads to the goal; the sheet is taken there straight, deforming",
+            ),
+            Self::NearlyClosed => f.write_str(
+                "no exact motion leads to the goal, as coordinates are rounded; on the way the sheet nearly closes, within \
+                 its bound",
             ),
             Self::EndsBeforeCrossing {
                 residual,

@@ -222,6 +222,9 @@ pub enum Note {
     },
     /// There are several ways to leave the flat sheet.
     Branches(usize),
+    /// The driven creases leave other creases a choice: this number of other closed configurations was found in which the
+    /// driven creases have their angles.
+    OtherCompletions(usize),
     /// The sheet does not fold as it is drawn; the path is that of the straightened one.
     Straightened(Straightened),
     /// Time ran out before the straightened sheet was planned.
@@ -244,6 +247,8 @@ pub enum Note {
     },
     /// The sheet deforms on its way to the goal.
     Deforming,
+    /// The sheet nearly closes on its way to the goal.
+    NearlyClosed,
     /// The path ends a little before a goal that does not close, as faces cross there.
     EndsBeforeCrossing {
         /// Closure residual of the goal as asked.

@@ -3,6 +3,7 @@
 
 use super::follow::{Followed, Target, Waypoint, follow};
 use super::legs::{RouteFinder, append};
+use super::nearly_closed::nearly_closed;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use crate::planner::Search;
 use crate::planner::goal::GoalKind;
@@ -10,6 +11,7 @@ use crate::planner::plan::{Effort, Times};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
+use crate::symmetry::CreaseGroups;
 use crate::util::clock::Instant;
 
 /// Way in which a route ends.
@@ -141,6 +143,32 @@ impl<'a> Route<'a> {
         }
     }
 
+    /// Looks for a route on which every crease turns on its own, and the sheet may fail to close by as much as its bound.
+    /// Returns `None` if a crease has no goal angle, the goal has goals on the way, or there is none.
+    pub(crate) fn nearly_closed(problem: &PlanningProblem<'a>) -> Option<Self> {
+        let (goal, options) = (problem.goal, problem.options);
+        let start = Instant::now();
+        let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
+        let asked: Option<Vec<f64>> = reduction.asked(goal).0.into_iter().collect();
+        let asked = asked.filter(|_| goal.via.is_empty() && reduction.allows(goal))?;
+        let waypoints = nearly_closed(&reduction, &asked, options, options.bound)?;
+        let mut effort = Effort::default();
+        effort.times.solve = start.elapsed();
+        Some(Self {
+            waypoints,
+            closure_tolerance: options.bound,
+            end: End::Reached,
+            exactly: false,
+            reached: 1.0,
+            effort,
+            notes: vec![Note::NearlyClosed],
+            symmetric: None,
+            asked_closure: Some(reduction.closure_of_sheet(&asked)),
+            goal: Some(asked),
+            reduction,
+        })
+    }
+
     /// Returns the configuration at the end of the path; empty if there is no path.
     pub(crate) fn last(&self) -> &[f64] {
         self.waypoints.last().map_or(&[], |last| &last.angles)
@@ -248,17 +276,17 @@ impl<'a> RouteFinder<'a> {
         }
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
-            None => match self.guided() {
-                Some(guided) => guided,
+            None => match self.guided().or_else(|| self.complete(None)) {
+                Some(followed) => followed,
                 None => self.forwards(None),
             },
-            Some(last) => {
+            Some(last) => self.complete(Some(&last.angles)).unwrap_or_else(|| {
                 let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
                 self.work += solver.work;
                 followed
-            }
+            }),
         };
         append(&mut waypoints, followed.waypoints);
         let stop = followed.stop;

@@ -20,7 +20,15 @@ pub(crate) const FARTHER_RATIO: f64 = 0.01;
 /// if the error model changes nothing of this sheet, or allows no path.
 pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     match problem.errors {
-        ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
+        ErrorModel::Exact => among_groups(problem),
+        ErrorModel::Measured => {
+            let exact = among_groups(problem)?;
+            let goal = problem.goal;
+            let arrives = !exact.ends_early()
+                && exact.reduction.distance(exact.last(), goal) <= problem.options.goal_tolerance;
+            let other = (!arrives).then(|| Route::nearly_closed(problem)).flatten();
+            other.or(Some(exact))
+        }
         ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::advice::{note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
-use super::lines::{turn_lines_alone, turns_more};
+use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
 use super::pipeline::deform;
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
@@ -15,14 +15,14 @@ use super::way_round::lead_round_crossings;
 use crate::collision::contact_tolerance;
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
-use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
+use crate::planner::following::reduction::CLOSED;
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
-use crate::planner::{Goal, PlanOptions, Search, Symmetry};
+use crate::planner::{Goal, GoalKind, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::straighten::straightened;
 use crate::symmetry::closure_of;
@@ -35,11 +35,11 @@ const FEW_CREASES: usize = 200;
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
 
-/// The first row, which the others change.
+/// The row that the others change.
 const BASE: Row = Row {
     strategy: Strategy::CreaseGroups,
     starts_from: StartsFrom::Problem,
-    is_tried: |_| true,
+    is_tried: |context| context.best.motion.is_none(),
     run: |context, attempts| context.pass_as_set(attempts),
     is_better: |_, _| true,
     note: |_, _| None,
@@ -57,11 +57,28 @@ const UNGROUPED: Row = Row {
     ..BASE
 };
 
+/// A row in which driven creases turn alone. It comes first, unless the pattern names a goal on whose path they turn.
+const ALONE: Row = Row {
+    run: turn_driven_alone,
+    is_better: |new, _| new.outcome == Outcome::Planned,
+    ..BASE
+};
+
 /// The strategies in the order in which they are tried. Symmetry comes first, as it is fast; then every crease turns on
 /// its own, under error models that claim less and less of the coordinates. The rows that start from a route or from an
 /// answer are tried within each of the others.
-static STRATEGIES: [Row; 17] = [
+static STRATEGIES: [Row; 19] = [
+    Row {
+        strategy: Strategy::DrivenAlone,
+        is_tried: |context| is_driven(context.problem, false),
+        ..ALONE
+    },
     BASE,
+    Row {
+        strategy: Strategy::DrivenAlone,
+        is_tried: |context| context.is_unplanned() && is_driven(context.problem, true),
+        ..ALONE
+    },
     Row {
         strategy: Strategy::StraightDeforming,
         starts_from: StartsFrom::Route,
@@ -74,9 +91,8 @@ static STRATEGIES: [Row; 17] = [
         starts_from: StartsFrom::Answer,
         is_tried: |context| splits_phases(context.problem, context.best),
         run: |context, attempts| {
-            let (problem, straight) = (context.problem, context.best);
-            try_phases(context, attempts, Reason::NoFoldSequence, |goal| {
-                fold_in_split_phases(problem, goal, straight)
+            try_phases(context, attempts, Reason::NoFoldSequence, |problem, goal| {
+                fold_in_split_phases(problem, goal, context.best)
             })
         },
         ..BASE
@@ -89,8 +105,8 @@ static STRATEGIES: [Row; 17] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |goal| {
-                fold_in_sequence(context.problem, context.route?, goal.to_vec())
+            try_phases(context, attempts, Reason::NoFoldSequence, |problem, goal| {
+                fold_in_sequence(problem, context.route?, goal.to_vec())
             })
         },
         ..BASE
@@ -104,9 +120,8 @@ static STRATEGIES: [Row; 17] = [
             crosses && !splits_phases(context.problem, plan)
         },
         run: |context, attempts| {
-            let (problem, straight) = (context.problem, context.best);
-            try_phases(context, attempts, Reason::NoWayRound, |_| {
-                lead_round_crossings(problem, straight)
+            try_phases(context, attempts, Reason::NoWayRound, |problem, _| {
+                lead_round_crossings(problem, context.best)
             })
         },
         ..BASE
@@ -215,6 +230,15 @@ const fn other_seed(seed: u64) -> Row {
     }
 }
 
+/// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles or, if `is_guided` is `false`,
+/// does not.
+fn is_driven(problem: &PlanningProblem<'_>, is_guided: bool) -> bool {
+    let goal = problem.goal;
+    let guide = goal.guide.as_deref();
+    let named = guide.is_some_and(|guide| guide.kind == GoalKind::Configuration);
+    goal.kind == GoalKind::Driven && goal.via.is_empty() && named == is_guided
+}
+
 /// Returns `true` if a sheet whose errors are snapped can be straightened. The straightened sheet is tried next. It closes at
 /// every stop, so that sequences of folds are found on it in a fraction of the time.
 fn is_straightened_first(problem: &PlanningProblem<'_>) -> bool {
@@ -271,7 +295,7 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     path && held && plan.proved().is_some_and(|proved| proved > aim)
 }
 
-/// Returns `true` if there is no plan yet, and the goal fails to close by no more than rounded coordinates may be off.
+/// Returns `true` if there is no plan yet, and the goal fails to close by no more than the bound on the sheet.
 fn nearly_closes(context: &Context<'_>) -> bool {
     let problem = context.problem;
     let open = matches!(
@@ -279,7 +303,7 @@ fn nearly_closes(context: &Context<'_>) -> bool {
         Outcome::GoalNotClosed | Outcome::NearGoal | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
-    let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED_AMPLIFICATION;
+    let near = |off: f64| off > CLOSED && off <= problem.options.bound;
     open && off().is_some_and(near)
 }
 

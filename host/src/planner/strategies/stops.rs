@@ -23,12 +23,16 @@ pub(crate) fn try_phases(
     context: &Context<'_>,
     attempts: &mut Vec<Attempt>,
     none: Reason,
-    find: impl FnOnce(&[f64]) -> Option<Plan>,
+    find: impl FnOnce(&PlanningProblem<'_>, &[f64]) -> Option<Plan>,
 ) -> Option<Plan> {
-    let problem = context.problem;
-    let goal = goal_of_phases(problem, context.route?)?;
+    let goal = goal_of_phases(context.problem, context.route?)?;
+    let completed = completed(context.problem.goal, &goal);
+    let problem = &PlanningProblem {
+        goal: &completed,
+        ..*context.problem
+    };
     let start = Instant::now();
-    let found = find(&goal);
+    let found = find(problem, &goal);
     let (outcome, reason) = match &found {
         Some(_) => (Outcome::Planned, None),
         None if problem.is_late() => (
@@ -46,12 +50,24 @@ pub(crate) fn try_phases(
     found
 }
 
+/// Returns a goal in which free creases have these angles (radians), so that they may be folded in a phase of their own.
+fn completed(goal: &Goal, angles: &[f64]) -> Goal {
+    let asked = goal.fold_angles.iter().zip(angles);
+    Goal {
+        fold_angles: asked.map(|(asked, &angle)| asked.or(Some(angle))).collect(),
+        kind: match goal.kind {
+            GoalKind::Driven => GoalKind::Configuration,
+            kind => kind,
+        },
+        guide: None,
+        ..goal.clone()
+    }
+}
+
 /// Returns the fold angles (radians) to which creases may be folded one after the other, if they may be: the goal of
 /// `route`, if that closes as it is or its errors are snapped, and no faces cross there.
 fn goal_of_phases(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Vec<f64>> {
-    let fits = problem.goal.via.is_empty()
-        && problem.goal.kind != GoalKind::Driven
-        && problem.options.search == Search::Auto;
+    let fits = problem.goal.via.is_empty() && problem.options.search == Search::Auto;
     let end = match route.end {
         End::Reached => Some(route.last()),
         _ => route.goal.as_deref(),
