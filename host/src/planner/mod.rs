@@ -92,6 +92,6 @@ pub use plan::{
     SheetErrors, Strategy, Times,
 };
 pub use reason::{
-    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
 pub use strategies::driver::{plan, plan_watched};

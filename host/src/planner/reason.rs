@@ -79,6 +79,23 @@ pub enum Undecided {
     },
 }
 
+/// What is known of the first steps from flat in the directions asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum FirstSteps {
+    /// It is proved that no motion leaves flat, for every sheet whose coordinates are written with these digits.
+    NoneProved,
+    /// It is proved that some creases cannot turn, or that some can while all others rest.
+    Some {
+        /// Edges that cannot turn in a first step.
+        locked: Vec<EdgeId>,
+        /// Edges of lines that turn alone.
+        free: Vec<EdgeId>,
+    },
+    /// None was found, and nothing is proved.
+    #[default]
+    NotKnown,
+}
+
 /// Reason why an outcome is not [`Planned`](super::Outcome::Planned). `Display` makes a sentence of it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -112,8 +129,8 @@ pub enum Reason {
         reached: f64,
         /// Reason why the path ends.
         stop: Stop,
-        /// `true` if the path does not even leave flat.
-        at_flat: bool,
+        /// What is known of the first step, if the path does not even leave flat.
+        at_flat: Option<FirstSteps>,
         /// The hinge that is at its limit, if one is.
         limited: Option<HingeAtLimit>,
         /// Vertex or hole that a small step straight to the goal would tear most.

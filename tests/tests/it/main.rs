@@ -21,6 +21,7 @@ mod external;
 mod firmware;
 mod fold_spec;
 mod folded_by_hand;
+mod goals;
 mod image;
 mod meshes;
 mod networks;

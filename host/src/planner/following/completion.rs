@@ -37,12 +37,22 @@ impl RouteFinder<'_> {
             return None;
         }
         let completions = self.completions();
-        let way = self.way_to_first(from, &completions)?;
-        let others = completions.len() - 1;
-        if way.stop.is_none() && others > 0 {
-            self.notes.push(Note::OtherCompletions(others));
+        let way = self.way_to_first(from, &completions);
+        match (&way, completions.len()) {
+            (Some(way), found @ 2..) if way.stop.is_none() => {
+                self.notes.push(Note::OtherCompletions(found - 1));
+            }
+            (None, 1..) => self.known_goal = self.free_goal(&completions[0].angles),
+            _ => {}
         }
-        Some(way)
+        way
+    }
+
+    /// Returns a configuration if no faces cross there.
+    fn free_goal(&self, angles: &[f64]) -> Option<Vec<f64>> {
+        let collision = self.problem.options.collision;
+        let crossing = Judge::new(&self.problem, self.reduction, collision).crossing_at(angles);
+        crossing.is_none().then(|| angles.to_vec())
     }
 
     /// Returns closed configurations in which the driven creases have their angles, and no crease turns against its
@@ -95,15 +105,20 @@ impl RouteFinder<'_> {
                 .collect()
         };
         let alike = STARTS_RAD.iter();
-        let mut starts: Vec<Vec<f64>> = alike
-            .map(|size| start(&|k| self.signs[k] * size))
-            .collect();
+        let mut starts: Vec<Vec<f64>> =
+            alike.map(|size| start(&|k| self.signs[k] * size)).collect();
         if self.asked.len() <= MAX_RANDOM_UNKNOWNS {
             let mut rng = Pcg64::new(u128::from(self.problem.options.seed), 0);
             let flat = vec![0.0; self.asked.len()];
             let mut drawn = flat.clone();
             for _ in 0..RANDOM_STARTS {
-                random_near(&mut rng, &flat, MAX_RANDOM_RAD, Limits::HalfTurn, &mut drawn);
+                random_near(
+                    &mut rng,
+                    &flat,
+                    MAX_RANDOM_RAD,
+                    Limits::HalfTurn,
+                    &mut drawn,
+                );
                 let signed = |k: usize| match self.signs[k] {
                     sign if sign.abs() > 0.0 => sign * drawn[k].abs(),
                     _ => drawn[k],

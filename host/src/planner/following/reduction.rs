@@ -389,7 +389,7 @@ fn group_limits(groups: &CreaseGroups, options: &PlanOptions) -> Vec<(f64, f64)>
 }
 
 /// Expected ratio of the errors of a sheet with rounded coordinates to its closure residuals.
-const EXPECTED_AMPLIFICATION: f64 = 4.0;
+pub(crate) const EXPECTED_AMPLIFICATION: f64 = 4.0;
 /// Turn of each lettered crease with which a configuration is looked for that leaves none flat, over the least turn that
 /// counts.
 const TURNED_RATIO: f64 = 2.0;

@@ -117,11 +117,12 @@ impl<'a> Route<'a> {
             closure_tolerance,
             work,
             is_random,
+            known_goal,
             ..
         } = finder;
         Self {
             waypoints,
-            goal,
+            goal: goal.or(known_goal),
             closure_tolerance,
             end,
             exactly,
@@ -276,10 +277,11 @@ impl<'a> RouteFinder<'a> {
         }
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
-            None => match self.guided().or_else(|| self.complete(None)) {
-                Some(followed) => followed,
-                None => self.forwards(None),
-            },
+            None => {
+                let way = self.up_to_limits().or_else(|| self.guided());
+                let way = way.or_else(|| self.complete(None));
+                way.unwrap_or_else(|| self.forwards(None))
+            }
             Some(last) => self.complete(Some(&last.angles)).unwrap_or_else(|| {
                 let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
@@ -291,6 +293,41 @@ impl<'a> RouteFinder<'a> {
         append(&mut waypoints, followed.waypoints);
         let stop = followed.stop;
         Followed { waypoints, stop }
+    }
+
+    /// Leads each hinge to its goal angle or to its limit before that, so that a limit stops no hinge but its own. Returns
+    /// `None` if no limit is in the way, or the sheet does not close there.
+    fn up_to_limits(&mut self) -> Option<Followed> {
+        let asked = self.problem.goal;
+        let mut goal = asked.clone();
+        let mut limited = None;
+        for limit in &self.problem.options.limits {
+            let angle = &mut goal.fold_angles[limit.crease.index()];
+            let kept = angle.map(|angle| angle.clamp(limit.lower, limit.upper));
+            if kept != *angle {
+                limited.get_or_insert(self.reduction.groups.of(limit.crease).group.index());
+            }
+            *angle = kept;
+        }
+        let stop = Stop::Limit(limited?);
+        let problem = PlanningProblem {
+            goal: &goal,
+            ..self.problem
+        };
+        let mut finder = RouteFinder::new(problem, self.reduction);
+        let targets = finder.targets(SAME_RAD, true).unwrap_or_default();
+        let way = match targets.first() {
+            Some(target) => Some(finder.reach_first(target)),
+            None => finder.complete(None),
+        };
+        self.work += finder.work;
+        self.is_random |= finder.is_random;
+        let way = way.filter(|way| way.stop.is_none())?;
+        self.closure_tolerance = finder.closure_tolerance;
+        Some(Followed {
+            stop: Some(stop),
+            ..way
+        })
     }
 
     /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.

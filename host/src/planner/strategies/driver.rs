@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::advice::{note_free_turns, what_may_help};
+use super::advice::{explain_first_steps, note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
@@ -15,7 +15,7 @@ use super::way_round::lead_round_crossings;
 use crate::collision::contact_tolerance;
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
-use crate::planner::following::reduction::CLOSED;
+use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
@@ -57,7 +57,8 @@ const UNGROUPED: Row = Row {
     ..BASE
 };
 
-/// A row in which driven creases turn alone. It comes first, unless the pattern names a goal on whose path they turn.
+/// A row in which driven creases turn alone. It comes first, unless the pattern names a goal that closes: then they
+/// turn on the path to that goal.
 const ALONE: Row = Row {
     run: turn_driven_alone,
     is_better: |new, _| new.outcome == Outcome::Planned,
@@ -91,9 +92,12 @@ static STRATEGIES: [Row; 19] = [
         starts_from: StartsFrom::Answer,
         is_tried: |context| splits_phases(context.problem, context.best),
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |problem, goal| {
-                fold_in_split_phases(problem, goal, context.best)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoFoldSequence,
+                |problem, goal| fold_in_split_phases(problem, goal, context.best),
+            )
         },
         ..BASE
     },
@@ -105,9 +109,12 @@ static STRATEGIES: [Row; 19] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |problem, goal| {
-                fold_in_sequence(problem, context.route?, goal.to_vec())
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoFoldSequence,
+                |problem, goal| fold_in_sequence(problem, context.route?, goal.to_vec()),
+            )
         },
         ..BASE
     },
@@ -178,7 +185,7 @@ static STRATEGIES: [Row; 19] = [
     Row {
         strategy: Strategy::MeasuredError,
         errors: ErrorModel::Measured,
-        is_tried: nearly_closes,
+        is_tried: |context| nearly_closes(context, context.problem.options.bound),
         is_better: |new, _| new.outcome == Outcome::Planned,
         note: errors_added_up,
         ..UNGROUPED
@@ -189,9 +196,19 @@ static STRATEGIES: [Row; 19] = [
             coarse: false,
             measured: true,
         },
-        is_tried: nearly_closes,
+        is_tried: |context| {
+            let bound = context.problem.options.bound;
+            nearly_closes(context, bound / EXPECTED_AMPLIFICATION)
+        },
         note: errors_added_up,
         ..UNGROUPED
+    },
+    Row {
+        strategy: Strategy::BendingPanels,
+        is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
+        run: bend_least,
+        is_better: leads_farther_bent,
+        ..BASE
     },
     other_seed(0),
     other_seed(1),
@@ -205,12 +222,6 @@ static STRATEGIES: [Row; 19] = [
         },
         run: turn_lines_alone,
         is_better: turns_more,
-        ..BASE
-    },
-    Row {
-        strategy: Strategy::BendingPanels,
-        is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
-        run: bend_least,
         ..BASE
     },
 ];
@@ -230,13 +241,15 @@ const fn other_seed(seed: u64) -> Row {
     }
 }
 
-/// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles or, if `is_guided` is `false`,
-/// does not.
+/// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,
+/// or if `is_guided` is `false` does not.
 fn is_driven(problem: &PlanningProblem<'_>, is_guided: bool) -> bool {
     let goal = problem.goal;
-    let guide = goal.guide.as_deref();
-    let named = guide.is_some_and(|guide| guide.kind == GoalKind::Configuration);
-    goal.kind == GoalKind::Driven && goal.via.is_empty() && named == is_guided
+    let named = |guide: &&Goal| guide.kind == GoalKind::Configuration;
+    let guide = goal.guide.as_deref().filter(named);
+    let off = guide.and_then(|guide| closure_of(problem.pattern, &guide.fold_angles));
+    let closes = off.is_some_and(|off| off <= problem.options.bound);
+    goal.kind == GoalKind::Driven && goal.via.is_empty() && closes == is_guided
 }
 
 /// Returns `true` if a sheet whose errors are snapped can be straightened. The straightened sheet is tried next. It closes at
@@ -295,15 +308,15 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     path && held && plan.proved().is_some_and(|proved| proved > aim)
 }
 
-/// Returns `true` if there is no plan yet, and the goal fails to close by no more than the bound on the sheet.
-fn nearly_closes(context: &Context<'_>) -> bool {
+/// Returns `true` if there is no plan yet, and the goal fails to close by no more than `most`.
+fn nearly_closes(context: &Context<'_>, most: f64) -> bool {
     let problem = context.problem;
     let open = matches!(
         context.best.outcome,
         Outcome::GoalNotClosed | Outcome::NearGoal | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
-    let near = |off: f64| off > CLOSED && off <= problem.options.bound;
+    let near = |off: f64| off > CLOSED && off <= most;
     open && off().is_some_and(near)
 }
 
@@ -318,6 +331,12 @@ fn leads_farther(new: &Plan, best: &Plan) -> bool {
     let short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
     let farther = ends_before(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || short && farther
+}
+
+/// Returns `true` if a plan is found whose panels bend, or a path that leads farther than the best so far with rigid ones.
+fn leads_farther_bent(new: &Plan, best: &Plan) -> bool {
+    let farther = is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
+    new.outcome == Outcome::Planned || farther && new.motion.is_some()
 }
 
 /// Returns `true` if a path is found where the best so far is none, as the goal does not close.
@@ -391,6 +410,9 @@ pub fn plan_watched(
     let mut best = try_rows(StartsFrom::Problem, &context, none, &mut attempts);
     if is_stuck(&asked, &best) {
         best.notes.extend(note_least_bend(&context));
+    }
+    if let Some(reason) = best.reason.as_mut().filter(|_| !asked.is_late()) {
+        explain_first_steps(&asked, reason);
     }
     best.notes.extend(what_may_help(&asked, &best));
     best.notes.extend(note_free_turns(&asked, &best));

@@ -107,7 +107,7 @@ fn goal_of_driven_lines(pattern: &CreasePattern, driven: &Goal) -> Option<Goal> 
 }
 
 /// Returns for each crease `true` if it is on a line that turns alone.
-fn turning_lines(pattern: &CreasePattern) -> Vec<bool> {
+pub(super) fn turning_lines(pattern: &CreasePattern) -> Vec<bool> {
     let edges = pattern.creases().iter();
     edges
         .map(|&edge| line_of(pattern, edge).is_some())
