@@ -79,7 +79,7 @@ pub enum Undecided {
     },
 }
 
-/// What is known of the first steps from flat in the directions asked for.
+/// Knowledge of the first steps from flat in the directions asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum FirstSteps {
     /// It is proved that no motion leaves flat, for every sheet whose coordinates are written with these digits.
@@ -129,7 +129,7 @@ pub enum Reason {
         reached: f64,
         /// Reason why the path ends.
         stop: Stop,
-        /// What is known of the first step, if the path does not even leave flat.
+        /// Knowledge of the first steps, if the path does not even leave flat.
         at_flat: Option<FirstSteps>,
         /// The hinge that is at its limit, if one is.
         limited: Option<HingeAtLimit>,

@@ -89,7 +89,7 @@ fn with_corner(random: &mut Random, mut drawing: Drawing, angle: f64) -> LineAlo
             drawing.edges[side].ends = [a, between];
             drawing.edges.push(DrawnEdge {
                 ends: [between, b],
-                ..drawing.edges[side].clone()
+                ..drawing.edges[side]
             });
             between
         })

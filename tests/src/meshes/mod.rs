@@ -26,7 +26,7 @@ pub use fan::fan;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
 pub use lattice::lattice;
-pub use maps::{map, roll};
+pub use maps::{gate, map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use net::{net, net_of};

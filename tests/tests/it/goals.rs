@@ -17,11 +17,12 @@ use rayon::prelude::*;
 /// Time that a plan may take.
 const TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of sheets of each kind.
-const STARS: u64 = 500;
+const STARS: u64 = 250;
 const LINES: u64 = 200;
-const MESHES: u64 = 400;
+const MESHES: u64 = 160;
 const PHASED: u64 = 40;
 const LIMITED: u64 = 40;
+const VIA: u64 = 20;
 
 fn options() -> PlanOptions {
     PlanOptions::default().with(|it| it.timeout = Some(TIMEOUT))
@@ -91,11 +92,11 @@ fn driven_stars_are_planned_as_their_whole_goals_are() {
             Some((seed, plan))
         })
         .collect();
-    assert!(known.len() > 400, "{}", known.len());
+    assert!(known.len() > 180, "{}", known.len());
     assert!(share("stars", &known) >= 0.98);
 }
 
-/// Where a line turns alone, it is driven alone at once, as with a goal in which all other creases rest.
+/// A line that turns alone is driven alone at once, as with a goal in which all other creases rest.
 #[test]
 fn lines_that_turn_alone_are_driven_alone() {
     (0..LINES).into_par_iter().for_each(|seed| {
@@ -170,7 +171,7 @@ fn rounded_meshes_are_planned_where_a_motion_is_known() {
             Some((seed, plan))
         })
         .collect();
-    assert!(known.len() > 300, "{}", known.len());
+    assert!(known.len() > 120, "{}", known.len());
     assert!(share("meshes", &known) >= 0.98);
 }
 
@@ -185,7 +186,7 @@ fn driven_creases_fold_in_phases() {
     let known: Vec<(u64, Plan)> = (0..PHASED)
         .into_par_iter()
         .filter_map(|seed| {
-            let drawing = meshes::map(&mut Random::stream(seed, 60));
+            let drawing = meshes::simple_folds(&mut Random::stream(seed, 60));
             let whole = to_own_goal(&CreasePattern::new(drawing.clone()).unwrap());
             if whole.outcome != Outcome::Planned || !phases(&whole) {
                 return None;
@@ -197,7 +198,37 @@ fn driven_creases_fold_in_phases() {
         })
         .collect();
     assert!(known.len() > 5, "{}", known.len());
-    assert!(share("maps", &known) >= 1.0);
+    assert!(share("sheets folded in phases", &known) >= 1.0);
+}
+
+/// A goal on the way leaves the search for phases on, for the part of the motion before it and for that behind it.
+#[test]
+fn goals_on_the_way_leave_the_search_for_phases_on() {
+    for seed in 0..VIA {
+        let mut random = Random::stream(seed, 62);
+        let pattern = CreasePattern::new(meshes::gate(&mut random)).unwrap();
+        let mut goal = Goal::of_pattern(&pattern).unwrap();
+        let scaled = |part: f64, goal: &Goal| {
+            let angles = goal.fold_angles.iter();
+            let angles = angles.map(|angle| angle.map(|angle| part * angle));
+            Goal::chosen(&pattern, angles.collect(), "on the way".into())
+        };
+        let before = scaled(random.uniform(0.05, 0.3), &goal);
+        let [via, last] = if random.chance(0.5) {
+            [before, goal.clone()]
+        } else {
+            [goal.clone(), scaled(0.999, &goal)]
+        };
+        (goal.fold_angles, goal.via) = (last.fold_angles, vec![via]);
+        let plan = plan(&pattern, &goal, &options());
+        assert_eq!(
+            plan.outcome,
+            Outcome::Planned,
+            "sheet {seed}: {:?}",
+            plan.reason
+        );
+        assert!(holds(plan.motion.as_ref().unwrap()), "sheet {seed}");
+    }
 }
 
 /// On a sheet whose hinges all turn freely, each goes to its goal, and the one with a limit to its limit.
@@ -205,7 +236,7 @@ fn driven_creases_fold_in_phases() {
 fn a_limit_stops_the_hinge_that_has_it_alone() {
     let stopped = (0..LIMITED).into_par_iter().filter(|&seed| {
         let mut random = Random::stream(seed, 61);
-        let pattern = CreasePattern::new(meshes::tree(&mut random)).unwrap();
+        let pattern = CreasePattern::new(meshes::roll(&mut random)).unwrap();
         let goal = Goal::of_pattern(&pattern).unwrap();
         let crease = random.below(pattern.creases().len());
         let limited = goal.fold_angles[crease].unwrap() / 2.0;

@@ -2,6 +2,7 @@
 //! else forwards from flat, or else by the randomised search.
 
 use super::follow::{Followed, Target, Waypoint, follow};
+use super::judge::Judge;
 use super::legs::{RouteFinder, append};
 use super::nearly_closed::nearly_closed;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
@@ -153,6 +154,14 @@ impl<'a> Route<'a> {
         let asked: Option<Vec<f64>> = reduction.asked(goal).0.into_iter().collect();
         let asked = asked.filter(|_| goal.via.is_empty() && reduction.allows(goal))?;
         let waypoints = nearly_closed(&reduction, &asked, options, options.bound)?;
+        let mut judge = Judge::new(problem, &reduction, false);
+        let keeps_bound = |waypoint: &Waypoint| {
+            let errors = judge.errors_at(&waypoint.angles);
+            errors.deformation <= options.bound && errors.gap <= options.bound
+        };
+        if !waypoints.iter().all(keeps_bound) {
+            return None;
+        }
         let mut effort = Effort::default();
         effort.times.solve = start.elapsed();
         Some(Self {

@@ -109,12 +109,9 @@ static STRATEGIES: [Row; 19] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(
-                context,
-                attempts,
-                Reason::NoFoldSequence,
-                |problem, goal| fold_in_sequence(problem, context.route?, goal.to_vec()),
-            )
+            try_phases(context, attempts, Reason::NoFoldSequence, |problem, leg| {
+                fold_in_sequence(problem, context.route?, leg)
+            })
         },
         ..BASE
     },
@@ -127,8 +124,8 @@ static STRATEGIES: [Row; 19] = [
             crosses && !splits_phases(context.problem, plan)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoWayRound, |problem, _| {
-                lead_round_crossings(problem, context.best)
+            try_phases(context, attempts, Reason::NoWayRound, |problem, leg| {
+                lead_round_crossings(problem, leg, context.best)
             })
         },
         ..BASE
