@@ -36,7 +36,7 @@ pub enum GoalKind {
     Configuration,
     /// A direction: the sheet folds that way as far as it goes.
     Letters,
-    /// The angle of one driven crease; the other creases follow from flat.
+    /// The angles of driven creases: the other creases rest, or follow.
     Driven,
 }
 

@@ -3,7 +3,7 @@
 use core::fmt::{Display, Formatter, Result};
 
 use super::reason::{
-    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
 use crate::pattern::EdgeId;
 
@@ -11,6 +11,8 @@ use crate::pattern::EdgeId;
 const MAX_NAMED_EDGES: usize = 12;
 /// Largest distance of a goal from where it was asked, radians, with which it counts as not moved.
 const UNMOVED_RAD: f64 = 1e-12;
+/// Largest percentage that is told of a path which ends before its goal.
+const MOST_OF_THE_GOAL: f64 = 99.9;
 
 impl Display for WorstClosure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -119,8 +121,11 @@ impl Display for Reason {
                 limited,
                 worst,
             } => {
-                let why = stop_in_words(*stop, *at_flat);
-                write!(f, "{}: {why}", of_the_goal(*reached))?;
+                write!(f, "{}: ", of_the_goal(*reached))?;
+                match at_flat {
+                    Some(steps) if *stop == Stop::Singular => steps.fmt(f)?,
+                    _ => f.write_str(stop_in_words(*stop))?,
+                }
                 match (limited, worst) {
                     (Some(HingeAtLimit { edges, angle }), _) => {
                         let degrees = angle.to_degrees();
@@ -201,17 +206,38 @@ impl Display for Reason {
     }
 }
 
-/// Says how far a path leads.
+/// Says how far a path leads that ends before the goal.
 fn of_the_goal(reached: f64) -> String {
-    format!("as far as {:.1} % of the goal's angles", 100.0 * reached)
+    let percent = (100.0 * reached).min(MOST_OF_THE_GOAL);
+    format!("as far as {percent:.1} % of the goal's angles")
 }
 
-/// Says why a path stops; `at_flat` tells that it does not even leave flat.
-fn stop_in_words(stop: Stop, at_flat: bool) -> &'static str {
-    match stop {
-        Stop::Singular if at_flat => {
-            "no motion was found that leaves the flat sheet with these signs"
+impl Display for FirstSteps {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (locked, free) = match self {
+            Self::NoneProved => {
+                return f.write_str("no motion leaves the flat sheet with these signs (proved)");
+            }
+            Self::NotKnown => {
+                return f
+                    .write_str("no motion was found that leaves the flat sheet with these signs");
+            }
+            Self::Some { locked, free } => (locked, free),
+        };
+        f.write_str("not all creases can turn with these signs")?;
+        if !locked.is_empty() {
+            write!(f, "; locked: {}", Edges(locked))?;
         }
+        if !free.is_empty() {
+            write!(f, "; free, as lines that turn alone: {}", Edges(free))?;
+        }
+        Ok(())
+    }
+}
+
+/// Says why a path stops that has left flat.
+fn stop_in_words(stop: Stop) -> &'static str {
+    match stop {
         Stop::Singular => "no motion was found that leads on (singular)",
         Stop::Closure => "no closed configuration was found that follows (closure)",
         Stop::Nearest => "the motion leads no nearer to the goal (closure)",
@@ -246,6 +272,14 @@ impl Display for Note {
                 "{branches} first steps found that leave the flat sheet with these signs; the path takes that which \
                  leads farthest"
             ),
+            Self::OtherCompletions(others) => {
+                let [s, their] = if *others == 1 { ["", "has"] } else { ["s", "have"] };
+                write!(
+                    f,
+                    "{others} other closed configuration{s} found {their} the driven creases at their angles; letters or \
+                     more driven creases choose between them"
+                )
+            }
             Self::Straightened(how) => {
                 write!(f, "{how}, as the sheet does not fold as it is drawn")
             }
@@ -278,6 +312,10 @@ impl Display for Note {
             }
             Self::Deforming => f.write_str(
                 "no exact motion leads to the goal; the sheet is taken there straight, deforming",
+            ),
+            Self::NearlyClosed => f.write_str(
+                "no exact motion leads to the goal, as coordinates are rounded; on the way the sheet nearly closes, within \
+                 its bound",
             ),
             Self::EndsBeforeCrossing {
                 residual,

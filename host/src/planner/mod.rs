@@ -47,7 +47,8 @@
 //! ```text
 //! vectors < goal, knots < reason < messages, plan < options < problem
 //! < closing (sparse < chord < solver)
-//! < following (follow < reduction, search < branch, judge < mobility, legs < route < route_selection)
+//! < following (follow < reduction, search < nearly_closed, branch, judge < mobility, legs < completion < route <
+//! route_selection)
 //! < foldability (flat_cone < certificate < cause < locked_loop < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
@@ -91,6 +92,6 @@ pub use plan::{
     SheetErrors, Strategy, Times,
 };
 pub use reason::{
-    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
 pub use strategies::driver::{plan, plan_watched};

@@ -216,6 +216,8 @@ pub enum Strategy {
     Straightened,
     /// Crease groups or every crease, with other random numbers.
     OtherSeed,
+    /// Driven creases turn alone, with the lines that they are on.
+    DrivenAlone,
     /// Lines from border to border turn alone.
     LinesAlone,
     /// Panels bend about their diagonals.
@@ -240,6 +242,7 @@ impl Strategy {
             Self::NearestConfiguration => "nearest configuration",
             Self::Straightened => "straightened sheet",
             Self::OtherSeed => "another seed",
+            Self::DrivenAlone => "driven creases alone",
             Self::LinesAlone => "lines alone",
             Self::BendingPanels => "panels that bend",
         }

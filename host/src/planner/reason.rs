@@ -79,6 +79,23 @@ pub enum Undecided {
     },
 }
 
+/// Knowledge of the first steps from flat in the directions asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum FirstSteps {
+    /// It is proved that no motion leaves flat, for every sheet whose coordinates are written with these digits.
+    NoneProved,
+    /// It is proved that some creases cannot turn, or that some can while all others rest.
+    Some {
+        /// Edges that cannot turn in a first step.
+        locked: Vec<EdgeId>,
+        /// Edges of lines that turn alone.
+        free: Vec<EdgeId>,
+    },
+    /// None was found, and nothing is proved.
+    #[default]
+    NotKnown,
+}
+
 /// Reason why an outcome is not [`Planned`](super::Outcome::Planned). `Display` makes a sentence of it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -112,8 +129,8 @@ pub enum Reason {
         reached: f64,
         /// Reason why the path ends.
         stop: Stop,
-        /// `true` if the path does not even leave flat.
-        at_flat: bool,
+        /// Knowledge of the first steps, if the path does not even leave flat.
+        at_flat: Option<FirstSteps>,
         /// The hinge that is at its limit, if one is.
         limited: Option<HingeAtLimit>,
         /// Vertex or hole that a small step straight to the goal would tear most.
@@ -222,6 +239,9 @@ pub enum Note {
     },
     /// There are several ways to leave the flat sheet.
     Branches(usize),
+    /// The driven creases leave other creases a choice: this number of other closed configurations was found in which the
+    /// driven creases have their angles.
+    OtherCompletions(usize),
     /// The sheet does not fold as it is drawn; the path is that of the straightened one.
     Straightened(Straightened),
     /// Time ran out before the straightened sheet was planned.
@@ -244,6 +264,8 @@ pub enum Note {
     },
     /// The sheet deforms on its way to the goal.
     Deforming,
+    /// The sheet nearly closes on its way to the goal.
+    NearlyClosed,
     /// The path ends a little before a goal that does not close, as faces cross there.
     EndsBeforeCrossing {
         /// Closure residual of the goal as asked.

@@ -4,7 +4,7 @@ use foldpath::collision::CollisionScene;
 use foldpath::folding::FoldingMap;
 use foldpath::generate::Waterbomb;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Goal, Outcome, PlanOptions, Strategy, plan};
+use foldpath::planner::{Goal, Outcome, PlanOptions, Search, Strategy, plan};
 use nalgebra::Vector2;
 
 /// Returns a unit square with a flap of 0.55 on its left and another on its right. Folded over to 172 and 174 degrees,
@@ -62,7 +62,7 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         assert!(scene.deepest_crossing(&map, 1e-6).is_none(), "{angles:?}");
     }
 
-    // If the flaps turn one after the other they do not cross. Phases that the caller chose are kept, however.
+    // If the flaps turn one after the other they do not cross. A goal on the way leaves that search on.
     let in_turn = plan(&pattern, &goal, &PlanOptions::default());
     assert_eq!(in_turn.outcome, Outcome::Planned);
     let tried = in_turn.attempts.iter();
@@ -80,7 +80,10 @@ fn flaps_that_cross_between_knots_are_refused_although_no_knot_crosses() {
         via: vec![half],
         ..goal
     };
-    let seen = plan(&pattern, &goal, &PlanOptions::default());
+    let in_turn = plan(&pattern, &goal, &PlanOptions::default());
+    assert_eq!(in_turn.outcome, Outcome::Planned);
+    let path = PlanOptions::default().with(|it| it.search = Search::Path);
+    let seen = plan(&pattern, &goal, &path);
     let Outcome::Crossing(crossing) = seen.outcome else {
         panic!("{:?}", seen.outcome)
     };

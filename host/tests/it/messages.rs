@@ -5,7 +5,7 @@ use foldpath::collision::Crossing;
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
 use foldpath::planner::{
-    GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
 use foldpath_core::GroupId;
 
@@ -27,7 +27,7 @@ fn stops(stop: Stop) -> Reason {
     Reason::PathStops {
         reached: 0.4567,
         stop,
-        at_flat: false,
+        at_flat: None,
         limited: None,
         worst: None,
     }
@@ -92,7 +92,7 @@ fn reasons_are_sentences() {
             Reason::PathStops {
                 reached: 0.4567,
                 stop: Stop::Closure,
-                at_flat: false,
+                at_flat: None,
                 limited: None,
                 worst: worst(ClosureSite::Hole(VertexId(7))),
             },
@@ -104,7 +104,7 @@ fn reasons_are_sentences() {
             Reason::PathStops {
                 reached: 0.0,
                 stop: Stop::Singular,
-                at_flat: true,
+                at_flat: Some(FirstSteps::NotKnown),
                 limited: None,
                 worst: None,
             },
@@ -112,9 +112,34 @@ fn reasons_are_sentences() {
         ),
         (
             Reason::PathStops {
+                reached: 0.0,
+                stop: Stop::Singular,
+                at_flat: Some(FirstSteps::NoneProved),
+                limited: None,
+                worst: None,
+            },
+            "as far as 0.0 % of the goal's angles: no motion leaves the flat sheet with these signs (proved)".into(),
+        ),
+        (
+            Reason::PathStops {
+                reached: 0.99999,
+                stop: Stop::Singular,
+                at_flat: Some(FirstSteps::Some {
+                    locked: edges(2),
+                    free: edges(1),
+                }),
+                limited: None,
+                worst: None,
+            },
+            "as far as 99.9 % of the goal's angles: not all creases can turn with these signs; locked: edges 0, 1; free, as \
+             lines that turn alone: edges 0"
+                .into(),
+        ),
+        (
+            Reason::PathStops {
                 reached: 0.4567,
                 stop: Stop::Limit(2),
-                at_flat: false,
+                at_flat: None,
                 limited: Some(HingeAtLimit {
                     edges: edges(14),
                     angle: 0.5,

@@ -55,6 +55,18 @@ pub fn roll(random: &mut Random) -> Drawing {
     grid(&places, |column, _| goals[column], |_, _| 0.0)
 }
 
+/// Draws a strip of three panels, the outer two wider than half of the middle one, folded onto it: one of them has to be
+/// folded before the other.
+#[must_use]
+pub fn gate(random: &mut Random) -> Drawing {
+    let widths = [(); 2].map(|()| random.uniform(0.55, 0.95));
+    let lines = [0.0, widths[0], widths[0] + 1.0, widths[0] + 1.0 + widths[1]];
+    let column = |&x: &f64| vec![Vector2::new(x, 0.0), Vector2::new(x, 1.0)];
+    let places: Vec<Vec<_>> = lines.iter().map(column).collect();
+    let side = random.sign() * PI;
+    grid(&places, |_, _| side, |_, _| 0.0)
+}
+
 /// Draws the angle by which a line turns, radians.
 fn across(random: &mut Random) -> f64 {
     if random.chance(0.2) {

@@ -1,6 +1,7 @@
 //! Seeded crease patterns that fold although they have little or no symmetry. Each has assignments and a goal that
 //! closes to rounding, by a closed form or by the Newton's method of this package.
 
+mod alone;
 mod fan;
 mod file;
 mod flat_foldable;
@@ -20,11 +21,12 @@ mod windows;
 use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
 
+pub use alone::{LineAlone, line_alone};
 pub use fan::fan;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;
 pub use lattice::lattice;
-pub use maps::{map, roll};
+pub use maps::{gate, map, roll};
 pub use measured::{measured, rounded};
 pub use moved::{moved_waterbomb, moved_yoshimura};
 pub use net::{net, net_of};

@@ -22,6 +22,7 @@ mod external;
 mod firmware;
 mod fold_spec;
 mod folded_by_hand;
+mod goals;
 mod image;
 mod meshes;
 mod networks;

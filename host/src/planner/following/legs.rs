@@ -31,6 +31,8 @@ pub(super) struct RouteFinder<'a> {
     pub(super) notes: Vec<Note>,
     /// Closure residual up to which a local minimum counted as closed on the path found last.
     pub(super) closure_tolerance: f64,
+    /// Closed configuration in which driven creases have their angles, if one is known to which no way was found.
+    pub(super) known_goal: Option<Vec<f64>>,
     /// Number of motions found that leave the flat sheet.
     pub(super) branches: usize,
     /// `true` if random numbers were drawn.
@@ -48,6 +50,7 @@ impl<'a> RouteFinder<'a> {
             signs,
             notes: Vec::new(),
             closure_tolerance: 0.0,
+            known_goal: None,
             branches: 0,
             is_random: false,
             work: Work::default(),

@@ -4,10 +4,12 @@
 //! motion on them.
 
 pub(super) mod branch;
+mod completion;
 pub(super) mod follow;
 pub(super) mod judge;
 pub(super) mod legs;
 pub(super) mod mobility;
+mod nearly_closed;
 pub(super) mod reduction;
 pub(super) mod route;
 pub(super) mod route_selection;

@@ -2,7 +2,9 @@
 //! else forwards from flat, or else by the randomised search.
 
 use super::follow::{Followed, Target, Waypoint, follow};
+use super::judge::Judge;
 use super::legs::{RouteFinder, append};
+use super::nearly_closed::nearly_closed;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use crate::planner::Search;
 use crate::planner::goal::GoalKind;
@@ -10,6 +12,7 @@ use crate::planner::plan::{Effort, Times};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
+use crate::symmetry::CreaseGroups;
 use crate::util::clock::Instant;
 
 /// Way in which a route ends.
@@ -115,11 +118,12 @@ impl<'a> Route<'a> {
             closure_tolerance,
             work,
             is_random,
+            known_goal,
             ..
         } = finder;
         Self {
             waypoints,
-            goal,
+            goal: goal.or(known_goal),
             closure_tolerance,
             end,
             exactly,
@@ -139,6 +143,40 @@ impl<'a> Route<'a> {
             asked_closure: None,
             reduction,
         }
+    }
+
+    /// Looks for a route on which every crease turns on its own, and the sheet may fail to close by as much as its bound.
+    /// Returns `None` if a crease has no goal angle, the goal has goals on the way, or there is none.
+    pub(crate) fn nearly_closed(problem: &PlanningProblem<'a>) -> Option<Self> {
+        let (goal, options) = (problem.goal, problem.options);
+        let start = Instant::now();
+        let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
+        let asked: Option<Vec<f64>> = reduction.asked(goal).0.into_iter().collect();
+        let asked = asked.filter(|_| goal.via.is_empty() && reduction.allows(goal))?;
+        let waypoints = nearly_closed(&reduction, &asked, options, options.bound)?;
+        let mut judge = Judge::new(problem, &reduction, false);
+        let keeps_bound = |waypoint: &Waypoint| {
+            let errors = judge.errors_at(&waypoint.angles);
+            errors.deformation <= options.bound && errors.gap <= options.bound
+        };
+        if !waypoints.iter().all(keeps_bound) {
+            return None;
+        }
+        let mut effort = Effort::default();
+        effort.times.solve = start.elapsed();
+        Some(Self {
+            waypoints,
+            closure_tolerance: options.bound,
+            end: End::Reached,
+            exactly: false,
+            reached: 1.0,
+            effort,
+            notes: vec![Note::NearlyClosed],
+            symmetric: None,
+            asked_closure: Some(reduction.closure_of_sheet(&asked)),
+            goal: Some(asked),
+            reduction,
+        })
     }
 
     /// Returns the configuration at the end of the path; empty if there is no path.
@@ -248,21 +286,57 @@ impl<'a> RouteFinder<'a> {
         }
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
-            None => match self.guided() {
-                Some(guided) => guided,
-                None => self.forwards(None),
-            },
-            Some(last) => {
+            None => {
+                let way = self.up_to_limits().or_else(|| self.guided());
+                let way = way.or_else(|| self.complete(None));
+                way.unwrap_or_else(|| self.forwards(None))
+            }
+            Some(last) => self.complete(Some(&last.angles)).unwrap_or_else(|| {
                 let mut solver = self.solver(self.closure_tolerance);
                 let target = Target::Nearest(&self.asked);
                 let followed = follow(&mut solver, &last.angles, None, target, self.rules());
                 self.work += solver.work;
                 followed
-            }
+            }),
         };
         append(&mut waypoints, followed.waypoints);
         let stop = followed.stop;
         Followed { waypoints, stop }
+    }
+
+    /// Leads each hinge to its goal angle or to its limit before that, so that a limit stops no hinge but its own. Returns
+    /// `None` if no limit is in the way, or the sheet does not close there.
+    fn up_to_limits(&mut self) -> Option<Followed> {
+        let asked = self.problem.goal;
+        let mut goal = asked.clone();
+        let mut limited = None;
+        for limit in &self.problem.options.limits {
+            let angle = &mut goal.fold_angles[limit.crease.index()];
+            let kept = angle.map(|angle| angle.clamp(limit.lower, limit.upper));
+            if kept != *angle {
+                limited.get_or_insert(self.reduction.groups.of(limit.crease).group.index());
+            }
+            *angle = kept;
+        }
+        let stop = Stop::Limit(limited?);
+        let problem = PlanningProblem {
+            goal: &goal,
+            ..self.problem
+        };
+        let mut finder = RouteFinder::new(problem, self.reduction);
+        let targets = finder.targets(SAME_RAD, true).unwrap_or_default();
+        let way = match targets.first() {
+            Some(target) => Some(finder.reach_first(target)),
+            None => finder.complete(None),
+        };
+        self.work += finder.work;
+        self.is_random |= finder.is_random;
+        let way = way.filter(|way| way.stop.is_none())?;
+        self.closure_tolerance = finder.closure_tolerance;
+        Some(Followed {
+            stop: Some(stop),
+            ..way
+        })
     }
 
     /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.

@@ -2,7 +2,7 @@
 //! looked for without it.
 
 use super::follow::Waypoint;
-use super::reduction::{CLOSED, Reduction, SAME_RAD};
+use super::reduction::{CLOSED, EXPECTED_AMPLIFICATION, Reduction, SAME_RAD};
 use super::route::{End, Route};
 use crate::planner::Symmetry;
 use crate::planner::plan::Effort;
@@ -20,7 +20,8 @@ pub(crate) const FARTHER_RATIO: f64 = 0.01;
 /// if the error model changes nothing of this sheet, or allows no path.
 pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
     match problem.errors {
-        ErrorModel::Exact | ErrorModel::Measured => among_groups(problem),
+        ErrorModel::Exact => among_groups(problem),
+        ErrorModel::Measured => on_measured_stars(problem),
         ErrorModel::Snapped { coarse, .. } => on_snapped_stars(problem, coarse),
     }
 }
@@ -92,6 +93,25 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
         asked_closure,
         ..route
     })
+}
+
+/// Finds the route that leads farthest among the crease groups, if the goal closes as well as that needs; then, if that does
+/// not arrive, one on which the sheet nearly closes.
+fn on_measured_stars<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
+    let goal = problem.goal;
+    let off = closure_of(problem.pattern, &goal.fold_angles)?;
+    let is_near = off <= problem.options.bound / EXPECTED_AMPLIFICATION;
+    let exact = is_near.then(|| among_groups(problem)).flatten();
+    let arrives = |route: &Route<'_>| match (route.end, route.waypoints.last()) {
+        (End::Reached, Some(last)) => {
+            route.reduction.distance(&last.angles, goal) <= problem.options.goal_tolerance
+        }
+        _ => false,
+    };
+    if exact.as_ref().is_some_and(arrives) || problem.is_late() {
+        return exact;
+    }
+    Route::nearly_closed(problem).or(exact)
 }
 
 /// Finds the route of every crease on its own, with stars that are taken to fold flat exactly where they nearly do.

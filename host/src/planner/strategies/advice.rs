@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use super::lines::turning_lines;
 use super::split_phases::splits_phases;
 use super::stops::between;
 use crate::collision::{CONTACT_EDGES, CROSSING_DEPTH_EDGES, CollisionScene, Crossing};
@@ -9,9 +10,10 @@ use crate::folding::FoldingMap;
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::GoalKind;
+use crate::planner::foldability::certificate::{Locks, cannot_leave};
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::Note;
+use crate::planner::reason::{FirstSteps, Note, Reason};
 use crate::planner::vectors::largest;
 use crate::symmetry::closure_of;
 
@@ -27,6 +29,50 @@ const FRACTIONS: f64 = 1000.0;
 const TURNED_RATIO: f64 = 0.1;
 /// Smallest fold angle of a hinge that counts as turned, radians.
 const TURNED_RAD: f64 = PI / 180.0;
+
+/// Adds to a reason what is known of the first steps from flat, if the path does not leave flat. Cost: linear programs, less
+/// than a second.
+pub(crate) fn explain_first_steps(asked: &PlanningProblem<'_>, reason: &mut Reason) {
+    match reason {
+        Reason::GoalCrosses { path, .. } => explain_first_steps(asked, path),
+        Reason::PathStops {
+            at_flat: Some(steps),
+            ..
+        } => *steps = first_steps(asked),
+        _ => {}
+    }
+}
+
+/// Returns what is known of the first steps from flat along the letters, or else towards the goal.
+fn first_steps(asked: &PlanningProblem<'_>) -> FirstSteps {
+    let (pattern, goal) = (asked.pattern, asked.goal);
+    let ways = goal.signs.iter().zip(&goal.fold_angles);
+    let ways: Vec<f64> = ways
+        .map(|(sign, angle)| match angle {
+            Some(angle) if sign.abs() <= 0.0 => angle.signum() * f64::from(angle.abs() > 0.0),
+            _ => *sign,
+        })
+        .collect();
+    let moves = ways.iter().zip(&goal.fold_angles);
+    let moves: Vec<bool> = moves
+        .map(|(way, angle)| way.abs() > 0.0 && angle.is_none_or(|angle| angle.abs() > 0.0))
+        .collect();
+    if cannot_leave(pattern, &ways, &moves).is_some() {
+        return FirstSteps::NoneProved;
+    }
+    let edges = |is_one: &dyn Fn(usize) -> bool| -> Vec<EdgeId> {
+        let creases = (0..moves.len()).filter(|&crease| moves[crease] && is_one(crease));
+        creases.map(|crease| pattern.creases()[crease]).collect()
+    };
+    let locks = Locks::find(pattern, &ways);
+    let locked = locks.map_or_else(Vec::new, |locks| edges(&|crease| locks.locked[crease]));
+    let turns = turning_lines(pattern);
+    let free = edges(&|crease| turns[crease]);
+    if locked.is_empty() && free.is_empty() {
+        return FirstSteps::NotKnown;
+    }
+    FirstSteps::Some { locked, free }
+}
 
 /// Returns notes on what may help to get a plan.
 pub(crate) fn what_may_help(asked: &PlanningProblem<'_>, plan: &Plan) -> Vec<Note> {
@@ -97,7 +143,7 @@ fn note_part_way(asked: &PlanningProblem<'_>, motion: &Motion) -> Option<Note> {
     if goal.kind != GoalKind::Letters || !goal.via.is_empty() {
         return None;
     }
-    let angles = motion.crease_angles(motion.knots.len() - 1);
+    let angles = end_angles(asked.pattern, motion);
     let lettered = goal.signs.iter().zip(&angles);
     let lettered = lettered.filter(|(sign, _)| sign.abs() > 0.0);
     let turned: Vec<f64> = lettered.map(|(sign, angle)| sign * angle).collect();
@@ -117,17 +163,26 @@ pub(crate) fn note_free_turns(asked: &PlanningProblem<'_>, plan: &Plan) -> Optio
     if goal.kind != GoalKind::Driven || plan.outcome != Outcome::Planned {
         return None;
     }
-    let angles = motion.crease_angles(motion.knots.len() - 1);
+    let angles = end_angles(asked.pattern, motion);
     let free =
         |crease: usize| goal.fold_angles[crease].is_none() && goal.signs[crease].abs() <= 0.0;
     let turned = |sign: f64| -> Vec<EdgeId> {
         let creases = (0..goal.fold_angles.len()).filter(|&crease| free(crease));
         let turned = creases.filter(|&crease| sign * angles[crease] > TURNED_RAD);
         turned
-            .map(|crease| motion.pattern.creases()[crease])
+            .map(|crease| asked.pattern.creases()[crease])
             .collect()
     };
     let [mountains, valleys] = [-1.0, 1.0].map(turned);
     let is_any = !(mountains.is_empty() && valleys.is_empty());
     is_any.then_some(Note::TurnedFreely { mountains, valleys })
+}
+
+/// Returns the fold angles (radians) of the creases of a pattern at the end of a motion, whose own pattern may have panels
+/// that bend in addition.
+fn end_angles(pattern: &CreasePattern, motion: &Motion) -> Vec<f64> {
+    let angles = motion.crease_angles(motion.knots.len() - 1);
+    let crease = |edge: &EdgeId| motion.pattern.edge(*edge).crease;
+    let of = |edge| crease(edge).map_or(0.0, |crease| angles[crease.index()]);
+    pattern.creases().iter().map(of).collect()
 }

@@ -19,7 +19,7 @@ const HINT_HALVINGS: usize = 3;
 /// Fraction of the largest bend to which the least one is looked for.
 const BEND_RATIO: f64 = 0.01;
 
-/// Plans the motion in which panels bend least, and by no more than the options allow.
+/// Plans the motion in which panels bend least, and by no more than the options allow; or else the one that leads farthest.
 pub(crate) fn bend_least(context: &Context<'_>, attempts: &mut Vec<Attempt>) -> Option<Plan> {
     let most = context.problem.options.bend;
     with_least_bend(context, most, MAX_BEND_HALVINGS, attempts)
@@ -36,12 +36,12 @@ pub(crate) fn note_least_bend(context: &Context<'_>) -> Option<Note> {
         ..*context
     };
     let bent = with_least_bend(&context, HINTED_BEND_RAD, HINT_HALVINGS, &mut Vec::new())?;
-    Some(Note::WouldBend(bent.max_bend))
+    (bent.outcome == Outcome::Planned).then_some(Note::WouldBend(bent.max_bend))
 }
 
-/// Returns the plan found in which panels bend least, and by no more than `most` radians, if there is one. Both diagonals
-/// of the panels are tried; then up to `halvings` smaller limits, between the largest with which no plan is found and the
-/// smallest with which one is.
+/// Returns the plan found in which panels bend least, and by no more than `most` radians; if there is none, the motion found
+/// that leads farthest. Both diagonals of the panels are tried; then, for a plan, up to `halvings` smaller limits, between
+/// the largest with which no plan is found and the smallest with which one is.
 fn with_least_bend(
     context: &Context<'_>,
     most: f64,
@@ -49,12 +49,20 @@ fn with_least_bend(
     attempts: &mut Vec<Attempt>,
 ) -> Option<Plan> {
     let asked = context.problem;
+    let is_planned = |plan: &Plan| plan.outcome == Outcome::Planned;
     let mut best: Option<(BentSheet, Plan)> = None;
     for which in [Diagonals::Triangulation, Diagonals::Others] {
         let bent = BentSheet::of(asked.pattern, asked.goal, asked.options, which);
         let Some(sheet) = bent else { continue };
-        let most = best.as_ref().map_or(most, |(_, plan)| plan.max_bend);
-        if let Some(plan) = bent_by(context, &sheet, most, attempts) {
+        let planned = best.as_ref().filter(|(_, plan)| is_planned(plan));
+        let most = planned.map_or(most, |(_, plan)| plan.max_bend);
+        let Some(plan) = bent_by(context, &sheet, most, attempts) else {
+            continue;
+        };
+        let is_better = |(_, best): &(BentSheet, Plan)| {
+            is_planned(&plan) || !is_planned(best) && plan.reached > best.reached
+        };
+        if best.as_ref().is_none_or(is_better) {
             best = Some((sheet, plan));
         }
     }
@@ -62,11 +70,11 @@ fn with_least_bend(
     let mut too_small = 0.0;
     for _ in 0..halvings {
         let bend = plan.max_bend;
-        if asked.is_late() || bend - too_small < BEND_RATIO * bend {
+        if !is_planned(&plan) || asked.is_late() || bend - too_small < BEND_RATIO * bend {
             break;
         }
         let most = f64::midpoint(too_small, bend);
-        match bent_by(context, &sheet, most, &mut Vec::new()) {
+        match bent_by(context, &sheet, most, &mut Vec::new()).filter(is_planned) {
             Some(less) => plan = less,
             None => too_small = most,
         }
@@ -74,7 +82,7 @@ fn with_least_bend(
     Some(plan)
 }
 
-/// Plans a sheet whose panels bend by no more than `most` radians; `None` if that leads to no plan.
+/// Plans a sheet whose panels bend by no more than `most` radians; `None` if no path is found.
 fn bent_by(
     context: &Context<'_>,
     sheet: &BentSheet,
@@ -89,9 +97,6 @@ fn bent_by(
         ..*context.problem
     };
     let mut plan = context.pass(&problem, attempts)?;
-    if plan.outcome != Outcome::Planned {
-        return None;
-    }
     plan.max_bend = sheet.largest_bend(plan.motion.as_ref()?);
     Some(plan)
 }

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use super::advice::{note_free_turns, what_may_help};
+use super::advice::{explain_first_steps, note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
-use super::lines::{turn_lines_alone, turns_more};
+use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
 use super::pipeline::deform;
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
@@ -22,7 +22,7 @@ use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
-use crate::planner::{Goal, PlanOptions, Search, Symmetry};
+use crate::planner::{Goal, GoalKind, PlanOptions, Search, Symmetry};
 use crate::progress::{Progress, Watch};
 use crate::straighten::straightened;
 use crate::symmetry::closure_of;
@@ -35,11 +35,11 @@ const FEW_CREASES: usize = 200;
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
 
-/// The first row, which the others change.
+/// The row that the others change.
 const BASE: Row = Row {
     strategy: Strategy::CreaseGroups,
     starts_from: StartsFrom::Problem,
-    is_tried: |_| true,
+    is_tried: |context| context.best.motion.is_none(),
     run: |context, attempts| context.pass_as_set(attempts),
     is_better: |_, _| true,
     note: |_, _| None,
@@ -57,11 +57,29 @@ const UNGROUPED: Row = Row {
     ..BASE
 };
 
+/// A row in which driven creases turn alone. It comes first, unless the pattern names a goal that closes: then they
+/// turn on the path to that goal.
+const ALONE: Row = Row {
+    run: turn_driven_alone,
+    is_better: |new, _| new.outcome == Outcome::Planned,
+    ..BASE
+};
+
 /// The strategies in the order in which they are tried. Symmetry comes first, as it is fast; then every crease turns on
 /// its own, under error models that claim less and less of the coordinates. The rows that start from a route or from an
 /// answer are tried within each of the others.
-static STRATEGIES: [Row; 17] = [
+static STRATEGIES: [Row; 19] = [
+    Row {
+        strategy: Strategy::DrivenAlone,
+        is_tried: |context| is_driven(context.problem, false),
+        ..ALONE
+    },
     BASE,
+    Row {
+        strategy: Strategy::DrivenAlone,
+        is_tried: |context| context.is_unplanned() && is_driven(context.problem, true),
+        ..ALONE
+    },
     Row {
         strategy: Strategy::StraightDeforming,
         starts_from: StartsFrom::Route,
@@ -74,10 +92,12 @@ static STRATEGIES: [Row; 17] = [
         starts_from: StartsFrom::Answer,
         is_tried: |context| splits_phases(context.problem, context.best),
         run: |context, attempts| {
-            let (problem, straight) = (context.problem, context.best);
-            try_phases(context, attempts, Reason::NoFoldSequence, |goal| {
-                fold_in_split_phases(problem, goal, straight)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoFoldSequence,
+                |problem, goal| fold_in_split_phases(problem, goal, context.best),
+            )
         },
         ..BASE
     },
@@ -89,8 +109,8 @@ static STRATEGIES: [Row; 17] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |goal| {
-                fold_in_sequence(context.problem, context.route?, goal.to_vec())
+            try_phases(context, attempts, Reason::NoFoldSequence, |problem, leg| {
+                fold_in_sequence(problem, context.route?, leg)
             })
         },
         ..BASE
@@ -104,9 +124,8 @@ static STRATEGIES: [Row; 17] = [
             crosses && !splits_phases(context.problem, plan)
         },
         run: |context, attempts| {
-            let (problem, straight) = (context.problem, context.best);
-            try_phases(context, attempts, Reason::NoWayRound, |_| {
-                lead_round_crossings(problem, straight)
+            try_phases(context, attempts, Reason::NoWayRound, |problem, leg| {
+                lead_round_crossings(problem, leg, context.best)
             })
         },
         ..BASE
@@ -163,7 +182,7 @@ static STRATEGIES: [Row; 17] = [
     Row {
         strategy: Strategy::MeasuredError,
         errors: ErrorModel::Measured,
-        is_tried: nearly_closes,
+        is_tried: |context| nearly_closes(context, context.problem.options.bound),
         is_better: |new, _| new.outcome == Outcome::Planned,
         note: errors_added_up,
         ..UNGROUPED
@@ -174,9 +193,19 @@ static STRATEGIES: [Row; 17] = [
             coarse: false,
             measured: true,
         },
-        is_tried: nearly_closes,
+        is_tried: |context| {
+            let bound = context.problem.options.bound;
+            nearly_closes(context, bound / EXPECTED_AMPLIFICATION)
+        },
         note: errors_added_up,
         ..UNGROUPED
+    },
+    Row {
+        strategy: Strategy::BendingPanels,
+        is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
+        run: bend_least,
+        is_better: leads_farther_bent,
+        ..BASE
     },
     other_seed(0),
     other_seed(1),
@@ -190,12 +219,6 @@ static STRATEGIES: [Row; 17] = [
         },
         run: turn_lines_alone,
         is_better: turns_more,
-        ..BASE
-    },
-    Row {
-        strategy: Strategy::BendingPanels,
-        is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
-        run: bend_least,
         ..BASE
     },
 ];
@@ -213,6 +236,17 @@ const fn other_seed(seed: u64) -> Row {
         is_better: leads_farther,
         ..BASE
     }
+}
+
+/// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,
+/// or if `is_guided` is `false` does not.
+fn is_driven(problem: &PlanningProblem<'_>, is_guided: bool) -> bool {
+    let goal = problem.goal;
+    let named = |guide: &&Goal| guide.kind == GoalKind::Configuration;
+    let guide = goal.guide.as_deref().filter(named);
+    let off = guide.and_then(|guide| closure_of(problem.pattern, &guide.fold_angles));
+    let closes = off.is_some_and(|off| off <= problem.options.bound);
+    goal.kind == GoalKind::Driven && goal.via.is_empty() && closes == is_guided
 }
 
 /// Returns `true` if a sheet whose errors are snapped can be straightened. The straightened sheet is tried next. It closes at
@@ -271,15 +305,15 @@ fn is_loose(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     path && held && plan.proved().is_some_and(|proved| proved > aim)
 }
 
-/// Returns `true` if there is no plan yet, and the goal fails to close by no more than rounded coordinates may be off.
-fn nearly_closes(context: &Context<'_>) -> bool {
+/// Returns `true` if there is no plan yet, and the goal fails to close by no more than `most`.
+fn nearly_closes(context: &Context<'_>, most: f64) -> bool {
     let problem = context.problem;
     let open = matches!(
         context.best.outcome,
         Outcome::GoalNotClosed | Outcome::NearGoal | Outcome::Partial | Outcome::NotRigidlyFoldable
     );
     let off = || closure_of(problem.pattern, &problem.goal.fold_angles);
-    let near = |off: f64| off > CLOSED && off <= problem.options.bound / EXPECTED_AMPLIFICATION;
+    let near = |off: f64| off > CLOSED && off <= most;
     open && off().is_some_and(near)
 }
 
@@ -294,6 +328,12 @@ fn leads_farther(new: &Plan, best: &Plan) -> bool {
     let short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
     let farther = ends_before(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || short && farther
+}
+
+/// Returns `true` if a plan is found whose panels bend, or a path that leads farther than the best so far with rigid ones.
+fn leads_farther_bent(new: &Plan, best: &Plan) -> bool {
+    let farther = is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
+    new.outcome == Outcome::Planned || farther && new.motion.is_some()
 }
 
 /// Returns `true` if a path is found where the best so far is none, as the goal does not close.
@@ -367,6 +407,9 @@ pub fn plan_watched(
     let mut best = try_rows(StartsFrom::Problem, &context, none, &mut attempts);
     if is_stuck(&asked, &best) {
         best.notes.extend(note_least_bend(&context));
+    }
+    if let Some(reason) = best.reason.as_mut().filter(|_| !asked.is_late()) {
+        explain_first_steps(&asked, reason);
     }
     best.notes.extend(what_may_help(&asked, &best));
     best.notes.extend(note_free_turns(&asked, &best));

@@ -8,9 +8,7 @@ use fixedbitset::FixedBitSet;
 
 use super::phase_samples::{PhaseSamples, turns_freely};
 use super::simple_folds::simple_folds;
-use super::stops::{
-    StopSearch, angles, between, plan_via, search_stops, set, stops_of, turned_creases, union,
-};
+use super::stops::{Leg, StopSearch, between, plan_via, search_stops, set, union};
 use crate::folding::FoldingMap;
 use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
@@ -44,8 +42,9 @@ pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
     problem.pattern.creases().len() <= most
 }
 
-/// Returns the plan that folds independent parts of the sheet, and along lines, one after the other, if that leads to
-/// `goal` and no faces cross; with as few stops as it takes. `goal` is that of [`try_phases`](super::stops::try_phases).
+/// Returns the plan that folds independent parts of the sheet, and along lines, one after the other on one leg, if that
+/// leads to its end and no faces cross; with as few stops as it takes. The leg is that of
+/// [`try_phases`](super::stops::try_phases).
 ///
 /// Sequences are found depth first. If a part cannot be next because two faces cross, it is not tried again in any
 /// sequence that has folded the creases between these two faces in the same order: those creases alone determine where
@@ -54,24 +53,24 @@ pub(crate) fn has_few_creases(problem: &PlanningProblem<'_>) -> bool {
 pub(crate) fn fold_in_sequence(
     problem: &PlanningProblem<'_>,
     route: &Route<'_>,
-    goal: Vec<f64>,
+    leg: &Leg,
 ) -> Option<Plan> {
     let (pattern, options) = (problem.pattern, problem.options);
-    let all = turned_creases(&goal);
+    let all = leg.turned_creases();
     let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
     let is_free = turns_freely(pattern);
     let mut orders = Orders {
         problem,
-        samples: is_free.then(|| PhaseSamples::new(problem, &reduction, &goal)),
+        samples: is_free.then(|| PhaseSamples::new(problem, &reduction, leg)),
         beyond: if is_free {
             faces_beyond(pattern)
         } else {
             Vec::new()
         },
         judge: Judge::new(problem, &reduction, options.collision),
-        in_the_way: vec![0; goal.len()],
-        parts: parts(problem, route, &goal).unwrap_or_default(),
-        goal,
+        in_the_way: vec![0; leg.end.len()],
+        parts: parts(problem, route, leg).unwrap_or_default(),
+        leg,
         all,
         moves: HashMap::new(),
         free: HashMap::new(),
@@ -80,7 +79,7 @@ pub(crate) fn fold_in_sequence(
         steps: 0,
         order: Vec::new(),
     };
-    let plan = search_stops(problem, &mut orders)?;
+    let plan = search_stops(problem, leg, &mut orders)?;
     Some(with_fewer_stops(&mut orders, plan))
 }
 
@@ -94,9 +93,9 @@ fn with_fewer_stops(orders: &mut Orders<'_>, mut plan: Plan) -> Plan {
     let order = core::mem::take(&mut orders.order).into_iter();
     let mut phases: Phases = order.map(|next| vec![next]).collect();
     let plan_of = |orders: &Orders<'_>, phases: &Phases, bound_fraction| {
-        let phases = phases.iter().map(|once| union(&orders.goal, once));
-        let stops = stops_of(&orders.goal, &phases.collect::<Vec<_>>());
-        plan_via(orders.problem, &stops, bound_fraction)
+        let phases = phases.iter().map(|once| union(&orders.leg.end, once));
+        let stops = orders.leg.stops_of(&phases.collect::<Vec<_>>());
+        plan_via(orders.problem, orders.leg, &stops, bound_fraction)
     };
     let mut is_planned = |orders: &mut Orders<'_>, phases: &Phases, bound_fraction| {
         let mut other = plan_of(orders, phases, bound_fraction);
@@ -136,7 +135,7 @@ fn merged(
         while from + 1 < phases.len() && phases.len() > run {
             let to = phases.len().min(from + run);
             let once = phases[from..to].concat();
-            let before = union(&orders.goal, &phases[..from].concat());
+            let before = union(&orders.leg.end, &phases[..from].concat());
             let next = orders.moves(&before);
             let mut fewer = phases.clone();
             fewer.splice(from..to, [once.clone()]);
@@ -169,11 +168,7 @@ fn faces_beyond(pattern: &CreasePattern) -> Vec<usize> {
 }
 
 /// Returns the sets of creases that turn and move each other along `route`; creases of different sets do not.
-fn parts(
-    problem: &PlanningProblem<'_>,
-    route: &Route<'_>,
-    goal: &[f64],
-) -> Option<Vec<FixedBitSet>> {
+fn parts(problem: &PlanningProblem<'_>, route: &Route<'_>, leg: &Leg) -> Option<Vec<FixedBitSet>> {
     let groups = &route.reduction.groups;
     let waypoints = &route.waypoints;
     // The sheet is singular where it is flat, and often at the goal: only configurations between are used.
@@ -182,7 +177,11 @@ fn parts(
     let looks = inner.iter().step_by(step);
     let mut looks: Vec<_> = looks.map(|w| groups.expand(&w.angles)).collect();
     if looks.is_empty() {
-        looks.push(goal.iter().map(|angle| angle / 2.0).collect());
+        looks.push(
+            (0..leg.end.len())
+                .map(|crease| leg.angle(crease, 0.5))
+                .collect(),
+        );
     }
     let stars = ReducedStars::of_creases(problem.pattern);
     let stars = if problem.errors.is_snapped() {
@@ -191,11 +190,11 @@ fn parts(
         stars
     };
     let parts = independent_parts(&stars, &looks)?;
-    let turned = |crease: &usize| goal[*crease].abs() > CLOSED;
+    let turned = |crease: &usize| leg.turn(*crease).abs() > CLOSED;
     let parts = parts
         .into_iter()
         .map(|part| part.into_iter().filter(turned));
-    Some(parts.map(|part| set(goal, part)).collect())
+    Some(parts.map(|part| set(&leg.end, part)).collect())
 }
 
 /// A set of creases that cannot be folded next after others.
@@ -216,8 +215,7 @@ struct Orders<'a> {
     samples: Option<PhaseSamples<'a>>,
     /// For each crease the number of faces on the side that has fewer, if hinges turn freely.
     beyond: Vec<usize>,
-    /// Fold angles of the creases when all are folded, radians.
-    goal: Vec<f64>,
+    leg: &'a Leg,
     /// The creases that turn.
     all: FixedBitSet,
     /// Sets of creases that move each other.
@@ -246,12 +244,12 @@ impl StopSearch for Orders<'_> {
         let mut order = Vec::new();
         self.extend(&mut order).ok()?;
         self.order = order;
-        Some(stops_of(&self.goal, &self.order))
+        Some(self.leg.stops_of(&self.order))
     }
 
     /// Bars the set of creases that ended the plan from being next after the others.
     fn learn(&mut self, plan: &Plan) {
-        let next = plan.ended_phases().min(self.order.len() - 1);
+        let next = self.leg.ended_phases(plan).min(self.order.len() - 1);
         let between = match plan.outcome {
             Outcome::Crossing(crossing) => between(self.problem.pattern, crossing.faces),
             _ => self.all.clone(),
@@ -290,7 +288,7 @@ impl Orders<'_> {
 
     /// Returns `true` if samples are free, or none are taken, while sets of creases turn at once after those `before`.
     fn is_sampled_free(&mut self, before: &FixedBitSet, once: &[FixedBitSet]) -> bool {
-        let once = union(&self.goal, once);
+        let once = union(&self.leg.end, once);
         let samples = self.samples.as_mut();
         samples.is_none_or(|samples| samples.is_free(before, &once))
     }
@@ -299,7 +297,7 @@ impl Orders<'_> {
         if let Some(&free) = self.free.get(folded) {
             return free;
         }
-        let angles = angles(&self.goal, folded);
+        let angles = self.leg.angles(folded);
         let free = self.free.len() < MAX_SETS && self.judge.is_free(&angles, self.problem.options);
         self.free.insert(folded.clone(), free);
         free
@@ -312,10 +310,10 @@ impl Orders<'_> {
             return moves.clone();
         }
         let pattern = self.problem.pattern;
-        let map = FoldingMap::new(pattern, pattern.tree(), &angles(&self.goal, folded));
-        let mut turns = vec![0.0; self.goal.len()];
+        let map = FoldingMap::new(pattern, pattern.tree(), &self.leg.angles(folded));
+        let mut turns = vec![0.0; self.leg.end.len()];
         for crease in self.all.difference(folded) {
-            turns[crease] = self.goal[crease];
+            turns[crease] = self.leg.turn(crease);
         }
         let folds = simple_folds(pattern, map.vertices(), &turns);
         let rest = self
@@ -325,7 +323,7 @@ impl Orders<'_> {
         let mut moves: Vec<FixedBitSet> = Vec::new();
         for creases in folds.into_iter().chain(rest) {
             let creases: Vec<usize> = creases;
-            let creases = set(&self.goal, creases);
+            let creases = set(&self.leg.end, creases);
             // All creases at once were the first try.
             if !creases.is_clear() && creases != self.all && !moves.contains(&creases) {
                 moves.push(creases);
@@ -339,7 +337,7 @@ impl Orders<'_> {
     /// Extends a sequence to all creases, if possible. `Err(true)` says that it is impossible in any order of the
     /// creases folded so far.
     fn extend(&mut self, order: &mut Vec<FixedBitSet>) -> Result<(), bool> {
-        let folded = union(&self.goal, order);
+        let folded = union(&self.leg.end, order);
         if folded == self.all {
             return Ok(());
         }

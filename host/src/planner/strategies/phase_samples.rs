@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use fixedbitset::FixedBitSet;
 
-use super::stops::angles;
+use super::stops::Leg;
 use crate::collision::Crossing;
 use crate::pattern::{CreaseId, CreasePattern, FaceId, bodies};
 use crate::planner::following::judge::Judge;
@@ -39,8 +39,7 @@ pub(super) struct PhaseSamples<'a> {
     /// Number of faces that may yet be placed for samples.
     left: usize,
     judge: Judge<'a>,
-    /// Fold angles of the creases when all are folded, radians.
-    goal: Vec<f64>,
+    leg: &'a Leg,
     /// By the creases folded before a phase and those that turn in it.
     known: HashMap<[FixedBitSet; 2], Option<SampledCrossing>>,
 }
@@ -50,14 +49,14 @@ impl<'a> PhaseSamples<'a> {
     pub(super) fn new(
         problem: &'a PlanningProblem<'a>,
         reduction: &'a Reduction<'a>,
-        goal: &[f64],
+        leg: &'a Leg,
     ) -> Self {
         let faces = problem.pattern.faces().len();
         Self {
             problem,
             left: FEWEST_FACES.max(FACES_PER_PAIR * faces * faces),
             judge: Judge::new(problem, reduction, problem.options.collision),
-            goal: goal.to_vec(),
+            leg,
             known: HashMap::new(),
         }
     }
@@ -67,7 +66,7 @@ impl<'a> PhaseSamples<'a> {
         self.left == 0 || self.problem.is_late()
     }
 
-    /// Returns the first crossing found while the creases of a phase turn from flat to their goals, after those `before`.
+    /// Returns the first crossing found while the creases of a phase turn, after those `before`.
     /// No faces cross before the phase.
     pub(super) fn crossing(
         &mut self,
@@ -110,11 +109,11 @@ impl<'a> PhaseSamples<'a> {
         let steps = pattern.tree().steps().iter();
         let joined = steps.filter(|step| !step.crease.is_some_and(turns));
         let bodies = bodies(faces, joined.map(|step| [step.parent.0, step.face.0]));
-        let mut at = angles(&self.goal, before);
+        let mut at = self.leg.angles(before);
         let mut free = 0.0;
         for &part in parts {
             for crease in phase.ones() {
-                at[crease] = self.goal[crease] * part;
+                at[crease] = self.leg.angle(crease, part);
             }
             self.left = self.left.saturating_sub(faces);
             if let Some(Crossing { faces, .. }) = self.judge.crossing_of_bodies(&at, &bodies) {

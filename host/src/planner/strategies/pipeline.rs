@@ -13,7 +13,7 @@ use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::lifting::whole_sheet::lift;
 use crate::planner::plan::{Arrival, CrossingSearch, Outcome, Plan, ReducedProblem};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{HingeAtLimit, Note, Reason, Stop, TimeoutAt};
+use crate::planner::reason::{FirstSteps, HingeAtLimit, Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
@@ -248,7 +248,7 @@ fn path_stops(problem: &PlanningProblem<'_>, route: &Route<'_>, stop: Stop) -> R
     Reason::PathStops {
         reached: route.reached,
         stop,
-        at_flat: route.waypoints.len() < 2,
+        at_flat: (route.waypoints.len() < 2).then(FirstSteps::default),
         limited,
         worst,
     }

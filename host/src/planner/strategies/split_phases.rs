@@ -10,7 +10,7 @@ use std::collections::{BinaryHeap, HashMap, HashSet};
 use fixedbitset::FixedBitSet;
 
 use super::phase_samples::{PhaseSamples, SampledCrossing, turns_freely};
-use super::stops::{StopSearch, between, search_stops, set, stops_of, turned_creases};
+use super::stops::{Leg, StopSearch, between, search_stops, set};
 use crate::pattern::FaceId;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
@@ -39,8 +39,7 @@ struct Candidate {
 
 /// Ways to part the creases into phases that are still to be tried.
 struct Candidates<'a> {
-    /// Fold angle of each crease at the goal, radians.
-    goal: &'a [f64],
+    leg: &'a Leg,
     problem: &'a PlanningProblem<'a>,
     samples: PhaseSamples<'a>,
     /// The first phases of plans in which faces cross in the last of them: the faces, and the part of it that is free.
@@ -57,29 +56,28 @@ pub(crate) fn splits_phases(problem: &PlanningProblem<'_>, straight: &Plan) -> b
     turns_freely(problem.pattern) && matches!(straight.outcome, Outcome::Crossing(_))
 }
 
-/// Returns a plan to `goal` (fold angles in radians) in which some creases fold before or after the others, if one is
-/// found. `straight` is the plan that folds all at once, for which [`splits_phases`] is true.
+/// Returns a plan on one leg of which some creases fold before or after the others, if one is found. `straight` is the plan that folds all at once, for which [`splits_phases`] is true.
 ///
 /// Best first: where two faces cross in a phase, each crease between them is moved to a phase before or after. Only phases
 /// whose samples are free are planned.
 pub(crate) fn fold_in_split_phases(
     problem: &PlanningProblem<'_>,
-    goal: &[f64],
+    leg: &Leg,
     straight: &Plan,
 ) -> Option<Plan> {
-    let all = vec![turned_creases(goal)];
+    let all = vec![leg.turned_creases()];
     let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
     let mut candidates = Candidates {
-        goal,
+        leg,
         problem,
-        samples: PhaseSamples::new(problem, &reduction, goal),
+        samples: PhaseSamples::new(problem, &reduction, leg),
         crossed: HashMap::new(),
         known: HashSet::from([all.clone()]),
         open: BinaryHeap::new(),
         tried: all,
     };
     candidates.learn(straight);
-    let mut plan = search_stops(problem, &mut candidates)?;
+    let mut plan = search_stops(problem, leg, &mut candidates)?;
     plan.notes.push(Note::Phases(candidates.tried.len()));
     Some(plan)
 }
@@ -93,7 +91,7 @@ impl StopSearch for Candidates<'_> {
         loop {
             self.tried = self.open.pop()?.phases;
             let Some((phase, crossing)) = self.sampled_crossing() else {
-                return Some(stops_of(self.goal, &self.tried));
+                return Some(self.leg.stops_of(&self.tried));
             };
             if self.samples.is_spent() {
                 return None;
@@ -106,7 +104,7 @@ impl StopSearch for Candidates<'_> {
 
     fn learn(&mut self, plan: &Plan) {
         if let Outcome::Crossing(crossing) = plan.outcome {
-            let phase = plan.ended_phases().min(self.tried.len() - 1);
+            let phase = self.leg.ended_phases(plan).min(self.tried.len() - 1);
             #[allow(clippy::cast_precision_loss, reason = "counts of phases")]
             let free = plan.reached * self.tried.len() as f64 - phase as f64;
             let (free, faces) = (free.clamp(0.0, 1.0), crossing.faces);
@@ -120,7 +118,7 @@ impl StopSearch for Candidates<'_> {
 impl Candidates<'_> {
     /// Returns the first phase of those tried in which samples cross, or plans with the same first phases did.
     fn sampled_crossing(&mut self) -> Option<(usize, SampledCrossing)> {
-        let mut before = set(self.goal, []);
+        let mut before = set(&self.leg.end, []);
         (0..self.tried.len()).find_map(|index| {
             let phase = &self.tried[index];
             let sampled = self.samples.crossing(&before, phase);

@@ -17,18 +17,74 @@ use crate::planner::{Goal, GoalKind, Search};
 use crate::symmetry::{CreaseGroups, ReducedStars};
 use crate::util::clock::Instant;
 
-/// Looks for a plan in phases to the goal of a route, given as fold angles in radians, and lists the attempt. If `find`
-/// finds none, the reason is `none`. Returns `None` if there is none, or no phases lead to this goal.
+/// The part of a motion that is folded in phases: from flat, or one of the goals on the way, to the next goal.
+pub(crate) struct Leg {
+    /// Fold angles of the creases at its start, radians.
+    start: Vec<f64>,
+    /// Fold angles of the creases at its end, radians.
+    pub(super) end: Vec<f64>,
+    /// Number of goals on the way up to its start.
+    before: usize,
+}
+
+impl Leg {
+    /// Returns by how much a crease turns, radians.
+    pub(super) fn turn(&self, crease: usize) -> f64 {
+        self.end[crease] - self.start[crease]
+    }
+
+    /// Returns the fold angle of a crease after this part of its turn, radians.
+    pub(super) fn angle(&self, crease: usize, part: f64) -> f64 {
+        self.start[crease] + part * self.turn(crease)
+    }
+
+    /// Returns the fold angles with these creases at the end of the leg and the others at its start, radians.
+    pub(super) fn angles(&self, folded: &FixedBitSet) -> Vec<f64> {
+        let part = |crease: usize| f64::from(u8::from(folded[crease]));
+        (0..self.end.len())
+            .map(|crease| self.angle(crease, part(crease)))
+            .collect()
+    }
+
+    /// Returns the set of the creases that turn.
+    pub(super) fn turned_creases(&self) -> FixedBitSet {
+        let turned = (0..self.end.len()).filter(|&crease| self.turn(crease).abs() > CLOSED);
+        set(&self.end, turned)
+    }
+
+    /// Returns the stops of a motion that folds these sets of creases one after the other.
+    pub(super) fn stops_of(&self, phases: &[FixedBitSet]) -> Vec<Vec<f64>> {
+        let stops = (1..phases.len()).map(|k| self.angles(&union(&self.end, &phases[..k])));
+        stops.collect()
+    }
+
+    /// Returns the number of phases of the leg that are at their end in a plan by way of its stops.
+    pub(super) fn ended_phases(&self, plan: &Plan) -> usize {
+        plan.ended_phases().saturating_sub(self.before)
+    }
+}
+
+/// Looks for a plan that folds the leg of a route in phases on which something is in the way, and lists the attempt. If
+/// `find` finds none, the reason is `none`. Returns `None` if there is none, or no phases lead to the end of the leg.
 pub(crate) fn try_phases(
     context: &Context<'_>,
     attempts: &mut Vec<Attempt>,
     none: Reason,
-    find: impl FnOnce(&[f64]) -> Option<Plan>,
+    find: impl FnOnce(&PlanningProblem<'_>, &Leg) -> Option<Plan>,
 ) -> Option<Plan> {
-    let problem = context.problem;
-    let goal = goal_of_phases(problem, context.route?)?;
+    let leg = leg_in_phases(context.problem, context.route?, context.best)?;
+    let asked = context.problem.goal;
+    let completed = if leg.before == asked.via.len() {
+        completed(asked, &leg.end)
+    } else {
+        asked.clone()
+    };
+    let problem = &PlanningProblem {
+        goal: &completed,
+        ..*context.problem
+    };
     let start = Instant::now();
-    let found = find(&goal);
+    let found = find(problem, &leg);
     let (outcome, reason) = match &found {
         Some(_) => (Outcome::Planned, None),
         None if problem.is_late() => (
@@ -46,30 +102,57 @@ pub(crate) fn try_phases(
     found
 }
 
-/// Returns the fold angles (radians) to which creases may be folded one after the other, if they may be: the goal of
-/// `route`, if that closes as it is or its errors are snapped, and no faces cross there.
-fn goal_of_phases(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<Vec<f64>> {
-    let fits = problem.goal.via.is_empty()
-        && problem.goal.kind != GoalKind::Driven
-        && problem.options.search == Search::Auto;
+/// Returns a goal in which free creases have these angles (radians), so that they may be folded in a phase of their own.
+fn completed(goal: &Goal, angles: &[f64]) -> Goal {
+    let asked = goal.fold_angles.iter().zip(angles);
+    Goal {
+        fold_angles: asked.map(|(asked, &angle)| asked.or(Some(angle))).collect(),
+        kind: match goal.kind {
+            GoalKind::Driven => GoalKind::Configuration,
+            kind => kind,
+        },
+        guide: None,
+        ..goal.clone()
+    }
+}
+
+/// Returns the leg of a route on which its plan ends, if creases may be folded one after the other there: if the goal at its
+/// end closes as it is or its errors are snapped, and no faces cross there.
+fn leg_in_phases(problem: &PlanningProblem<'_>, route: &Route<'_>, plan: &Plan) -> Option<Leg> {
+    let goals = &problem.goal.via;
+    let before = plan.ended_phases().min(goals.len());
+    let asked = goals.get(before).unwrap_or(problem.goal);
+    let ends: Vec<&[f64]> = route
+        .waypoints
+        .iter()
+        .filter(|it| it.ends_phase)
+        .map(|it| it.angles.as_slice())
+        .collect();
     let end = match route.end {
+        _ if before < goals.len() => ends.get(before).copied(),
         End::Reached => Some(route.last()),
         _ => route.goal.as_deref(),
     };
-    let closes = || problem.errors.is_snapped() || closing_angle(problem, route).is_none();
-    let end = end.filter(|_| fits && closes())?;
-    let goal = route.reduction.groups.expand(end);
+    let closes = || problem.errors.is_snapped() || closing_angle(problem, route, asked).is_none();
+    let end = end.filter(|_| problem.options.search == Search::Auto && closes())?;
+    let groups = &route.reduction.groups;
+    let start = match before.checked_sub(1) {
+        Some(last) => groups.expand(ends.get(last)?),
+        None => vec![0.0; problem.pattern.creases().len()],
+    };
+    let end = groups.expand(end);
     let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
     let mut judge = Judge::new(problem, &reduction, problem.options.collision);
-    judge.is_free(&goal, problem.options).then_some(goal)
+    judge
+        .is_free(&end, problem.options)
+        .then_some(Leg { start, end, before })
 }
 
-/// Returns the angle (radians) by which creases are off, if the goal closes but for rounding; so do the goal's parts
-/// then.
-fn closing_angle(problem: &PlanningProblem<'_>, route: &Route<'_>) -> Option<f64> {
+/// Returns the angle (radians) by which creases are off, if a goal closes but for rounding; so do the goal's parts then.
+fn closing_angle(problem: &PlanningProblem<'_>, route: &Route<'_>, goal: &Goal) -> Option<f64> {
     let stars = ReducedStars::of_creases(problem.pattern);
     let most = route.reduction.closure_tolerance(problem.options);
-    snapping_angle(&stars, &problem.goal.fold_angles, most, false)
+    snapping_angle(&stars, &goal.fold_angles, most, false)
 }
 
 /// Proposals of stops.
@@ -86,9 +169,10 @@ pub(super) trait StopSearch {
     fn learn(&mut self, plan: &Plan);
 }
 
-/// Returns the plan by way of the first proposal that leads to the goal free of crossings, if there is one.
+/// Returns the plan that folds a leg by way of the first proposal that leads to the goal free of crossings, if there is one.
 pub(super) fn search_stops<S: StopSearch>(
     problem: &PlanningProblem<'_>,
+    leg: &Leg,
     search: &mut S,
 ) -> Option<Plan> {
     let mut effort = Effort::default();
@@ -96,7 +180,7 @@ pub(super) fn search_stops<S: StopSearch>(
         if problem.is_late() {
             return None;
         }
-        let mut plan = plan_via(problem, &search.next()?, S::BOUND_FRACTION);
+        let mut plan = plan_via(problem, leg, &search.next()?, S::BOUND_FRACTION);
         if plan.outcome == Outcome::Planned {
             plan.effort += effort;
             return Some(plan);
@@ -107,20 +191,20 @@ pub(super) fn search_stops<S: StopSearch>(
     None
 }
 
-/// Returns the plan by way of these fold angles (radians), certified for this fraction of the bound at first.
+/// Returns the plan that folds a leg by way of these fold angles (radians), certified for this fraction of the bound at
+/// first.
 pub(super) fn plan_via(
     problem: &PlanningProblem<'_>,
+    leg: &Leg,
     stops: &[Vec<f64>],
     bound_fraction: f64,
 ) -> Plan {
-    let via = stops.iter().map(|angles| {
+    let stops = stops.iter().map(|angles| {
         let angles = angles.iter().copied().map(Some).collect();
         Goal::chosen(problem.pattern, angles, "a stop on the way".into())
     });
-    let goal = Goal {
-        via: via.collect(),
-        ..problem.goal.clone()
-    };
+    let mut goal = problem.goal.clone();
+    goal.via.splice(leg.before..leg.before, stops);
     let problem = PlanningProblem {
         goal: &goal,
         is_trial: true,
@@ -134,21 +218,6 @@ pub(super) fn plan_via(
         },
         |route| follow(&problem, &route, bound_fraction).0,
     )
-}
-
-/// Returns the stops of a motion that folds these sets of creases one after the other. The other creases are flat at the
-/// stops; `goal` has the fold angles of folded ones, radians.
-pub(super) fn stops_of(goal: &[f64], phases: &[FixedBitSet]) -> Vec<Vec<f64>> {
-    let stops = (1..phases.len()).map(|k| angles(goal, &union(goal, &phases[..k])));
-    stops.collect()
-}
-
-/// Returns the fold angles with these creases at their goals and the others flat, radians.
-pub(super) fn angles(goal: &[f64], folded: &FixedBitSet) -> Vec<f64> {
-    let angles = goal.iter().enumerate();
-    angles
-        .map(|(crease, &angle)| if folded[crease] { angle } else { 0.0 })
-        .collect()
 }
 
 /// Returns the creases on the way from one face to another along a spanning tree.
@@ -175,10 +244,4 @@ pub(super) fn set<T>(all: &[T], creases: impl IntoIterator<Item = usize>) -> Fix
     let mut set = FixedBitSet::with_capacity(all.len());
     set.extend(creases);
     set
-}
-
-/// Returns the set of the creases that turn to `goal` (fold angles in radians).
-pub(super) fn turned_creases(goal: &[f64]) -> FixedBitSet {
-    let turned = (0..goal.len()).filter(|&crease| goal[crease].abs() > CLOSED);
-    set(goal, turned)
 }

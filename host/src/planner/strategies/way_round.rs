@@ -4,7 +4,7 @@
 //! other, and the next path leads by way of that configuration. The direction is the infinitesimal motion of the closed
 //! sheet nearest to the gradient of the two faces' distance.
 
-use super::stops::{StopSearch, between, search_stops};
+use super::stops::{Leg, StopSearch, between, search_stops};
 use crate::collision::face_distance;
 use crate::folding::FoldingMap;
 use crate::pattern::FaceId;
@@ -33,17 +33,22 @@ const MIN_TURN_RATIO: f64 = 1e-3;
 /// Turn of a crease by which the gradient is measured, radians.
 const PROBE_RAD: f64 = 1e-5;
 
-/// Returns a plan that leads round the crossing of `straight`, and others that follow, if one is found.
-pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Plan) -> Option<Plan> {
+/// Returns a plan that leads round the crossing of `straight` on a leg, and others that follow, if one is found.
+pub(crate) fn lead_round_crossings(
+    problem: &PlanningProblem<'_>,
+    leg: &Leg,
+    straight: &Plan,
+) -> Option<Plan> {
     let mut way = WayRound {
         problem,
+        leg,
         reduction: &Reduction::of(problem, CreaseGroups::trivial(problem.pattern)),
         stops: Vec::new(),
         pairs: Vec::new(),
         last: straight.clone(),
         gains: true,
     };
-    let mut plan = search_stops(problem, &mut way)?;
+    let mut plan = search_stops(problem, leg, &mut way)?;
     plan.notes.push(Note::Phases(way.stops.len() + 1));
     Some(plan)
 }
@@ -51,6 +56,7 @@ pub(crate) fn lead_round_crossings(problem: &PlanningProblem<'_>, straight: &Pla
 /// A way that gets another stop wherever faces cross on it.
 struct WayRound<'a> {
     problem: &'a PlanningProblem<'a>,
+    leg: &'a Leg,
     reduction: &'a Reduction<'a>,
     /// Fold angles of the creases at the stops, radians.
     stops: Vec<Vec<f64>>,
@@ -76,7 +82,7 @@ impl StopSearch for WayRound<'_> {
         if !self.pairs.contains(&crossing.faces) {
             self.pairs.push(crossing.faces);
         }
-        let phase = self.last.ended_phases().min(self.stops.len());
+        let phase = self.leg.ended_phases(&self.last).min(self.stops.len());
         let motion = self.last.motion.as_ref()?;
         // At the end of the motion the faces touch, and have no direction in which they part.
         let last = match self.last.reason.as_ref()? {
