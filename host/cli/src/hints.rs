@@ -47,8 +47,11 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
         Note::PartWay(fraction) => Some(format!(
             "`--fold {fraction}` asks for no more than that, and may do"
         )),
+        Note::NoAngles => {
+            Some("`--fold 0.5` folds every hinge by a right angle, as those of a box".into())
+        }
         Note::TurnTogether { .. } => {
-            Some("`--via FILE` turns some of them before the others".into())
+            Some("`--order STEPS` or `--via FILE` turns some of them before the others".into())
         }
         _ => None,
     }

@@ -344,6 +344,9 @@ impl Display for Note {
                 f,
                 "the way found leads along the letters to {fraction} of a half turn"
             ),
+            Self::NoAngles => f.write_str(
+                "no goal angles are named, and folded flat by its letters the sheet was not planned",
+            ),
             Self::TurnTogether {
                 faces: [a, b],
                 edges,

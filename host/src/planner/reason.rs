@@ -283,6 +283,8 @@ pub enum Note {
     OverlapsAtGoal(f64),
     /// A path along the letters ends where its creases turn by up to this fraction of a half turn, rounded down.
     PartWay(f64),
+    /// A net, whose hinges turn freely, names no goal angles and was not planned folded flat.
+    NoAngles,
     /// Faces cross that several hinges move against each other, which might turn one after the other.
     TurnTogether {
         /// The two faces.

@@ -207,7 +207,10 @@ impl PlanTask {
         let mut remarks = self.held_flat;
         let is_yes = matches!(plan.outcome, Outcome::Planned | Outcome::Undecided);
         if let (Some(order), Some(motion), false) = (&self.order, &plan.motion, is_yes) {
-            remarks.push(format!("the path ends in {}", order.step(motion.phases.len())));
+            remarks.push(format!(
+                "the path ends in {}",
+                order.step(motion.phases.len())
+            ));
         }
         if self.is_own_goal {
             let watch = Watch::new(progress).until(deadline);

@@ -341,6 +341,10 @@ fn notes_are_sentences() {
             "the way found leads along the letters to 0.608 of a half turn",
         ),
         (
+            Note::NoAngles,
+            "no goal angles are named, and folded flat by its letters the sheet was not planned",
+        ),
+        (
             Note::TurnTogether {
                 faces: FACES,
                 edges: edges(2),

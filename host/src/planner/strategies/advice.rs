@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 
 use super::lines::turning_lines;
+use super::phase_samples::turns_freely;
 use super::split_phases::splits_phases;
 use super::stops::between;
 use crate::collision::{CONTACT_EDGES, CROSSING_DEPTH_EDGES, CollisionScene, Crossing};
@@ -137,11 +138,15 @@ fn goal_crossing(asked: &PlanningProblem<'_>, pattern: &CreasePattern) -> Option
     CollisionScene::new(pattern).deepest_crossing(&map, 0.0)
 }
 
-/// Returns a note of how far a path leads along the letters, if a smaller fraction of a half turn would be a plan.
+/// Returns a note of how far a path leads along the letters, if a smaller fraction of a half turn would be a plan; of a net
+/// without vertices inside, as cartons are, a note that no angles are named.
 fn note_part_way(asked: &PlanningProblem<'_>, motion: &Motion) -> Option<Note> {
     let goal = asked.goal;
     if goal.kind != GoalKind::Letters || !goal.via.is_empty() {
         return None;
+    }
+    if !goal.is_direction() && turns_freely(asked.pattern) {
+        return Some(Note::NoAngles);
     }
     let angles = end_angles(asked.pattern, motion);
     let lettered = goal.signs.iter().zip(&angles);
