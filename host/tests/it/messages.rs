@@ -295,6 +295,21 @@ fn notes_are_sentences() {
             "4 crease groups dropped: without them less deformation is proved",
         ),
         (
+            Note::OtherCompletions(1),
+            "1 other closed configuration found has the driven creases at their angles; letters or more driven creases choose \
+             between them",
+        ),
+        (
+            Note::OtherCompletions(2),
+            "2 other closed configurations found have the driven creases at their angles; letters or more driven creases \
+             choose between them",
+        ),
+        (
+            Note::NearlyClosed,
+            "no exact motion leads to the goal, as coordinates are rounded; on the way the sheet nearly closes, within its \
+             bound",
+        ),
+        (
             Note::RoughGroups {
                 groups: 4,
                 tolerance: 1e-3,

@@ -358,6 +358,19 @@ fn is_stuck(problem: &PlanningProblem<'_>, plan: &Plan) -> bool {
     short && few && path && plan.reached < FARTHER_RATIO && !problem.is_late()
 }
 
+/// Adds to an answer what is known of the first steps from flat, and notes on what may help.
+fn explain(context: &Context<'_>, best: &mut Plan) {
+    let asked = context.problem;
+    if is_stuck(asked, best) {
+        best.notes.extend(note_least_bend(context));
+    }
+    if let Some(reason) = best.reason.as_mut().filter(|_| !asked.is_late()) {
+        explain_first_steps(asked, reason);
+    }
+    best.notes.extend(what_may_help(asked, best));
+    best.notes.extend(note_free_turns(asked, best));
+}
+
 /// Plans the path of `pattern` from flat to `goal`.
 ///
 /// Always answers: a sheet that cannot be folded is an outcome, not an error.
@@ -405,14 +418,7 @@ pub fn plan_watched(
     };
     let none = Plan::default();
     let mut best = try_rows(StartsFrom::Problem, &context, none, &mut attempts);
-    if is_stuck(&asked, &best) {
-        best.notes.extend(note_least_bend(&context));
-    }
-    if let Some(reason) = best.reason.as_mut().filter(|_| !asked.is_late()) {
-        explain_first_steps(&asked, reason);
-    }
-    best.notes.extend(what_may_help(&asked, &best));
-    best.notes.extend(note_free_turns(&asked, &best));
+    explain(&context, &mut best);
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {
