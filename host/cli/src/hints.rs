@@ -51,7 +51,7 @@ pub(crate) fn of_note(note: &Note) -> Option<String> {
             Some("`--fold 0.5` folds every hinge by a right angle, as those of a box".into())
         }
         Note::TurnTogether { .. } => {
-            Some("`--order STEPS` or `--via FILE` turns some of them before the others".into())
+            Some("`--via FILE` or `--order STEPS` turns some of them before the others".into())
         }
         _ => None,
     }

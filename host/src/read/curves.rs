@@ -50,7 +50,7 @@ impl Piece {
         }
     }
 
-    /// The same, to be changed.
+    /// Returns the same points, to be changed.
     pub(super) fn hull_mut(&mut self) -> &mut [Vector2<f64>] {
         match self {
             Self::Line(ends) => ends,

@@ -42,7 +42,7 @@ fn polyline(layer: &str, vertices: &[[f64; 3]]) -> String {
     entity("LWPOLYLINE", layer, &pairs)
 }
 
-/// The same as a polyline of old, whose vertices are entities.
+/// Returns the polyline as old versions have it, with an entity for each vertex.
 fn old_polyline(layer: &str, vertices: &[[f64; 3]]) -> String {
     let mut text = entity("POLYLINE", layer, &[(66, 1.0), (70, 1.0)]);
     for [x, y, bulge] in vertices {

@@ -87,7 +87,7 @@ fn hinges_turn_in_their_steps_alone() {
     assert!((knots.last().unwrap()[0] - 60.0).abs() < 1e-9);
 }
 
-/// Where creases meet, those of other steps move with them.
+/// Creases of other steps that meet those of a step move with them.
 #[test]
 fn creases_that_meet_move_together() {
     let folder = folder();

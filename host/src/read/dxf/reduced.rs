@@ -47,7 +47,7 @@ pub(super) struct Reduced {
     pub(super) left_out: BTreeMap<&'static str, usize>,
 }
 
-/// What a pair belongs to.
+/// Part of the file that a pair belongs to.
 #[derive(Clone, Copy, PartialEq)]
 enum Place {
     Outside,
