@@ -31,7 +31,7 @@ use crate::util::nan_max::diagonal;
 
 /// Largest depth of blocks in blocks.
 const MAX_DEPTH: usize = 32;
-/// Largest number of things drawn, each place of a block counted, that are no lines or have none.
+/// Largest number of things drawn, each place of a block counted.
 const MAX_ENTITIES: usize = 1 << 22;
 /// Largest distance of a curve from the line between its ends at which it is that line, and of heights from each other in a
 /// flat drawing, as fractions of the drawing's diagonal.
