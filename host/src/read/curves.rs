@@ -35,6 +35,7 @@ pub(super) const STRAIGHT_CREASE: &str = "a straight crease, as rigid panels tur
 pub(super) struct Curve(pub(super) [Vector2<f64>; 4]);
 
 /// A piece of an outline.
+#[cfg(feature = "svg")]
 pub(super) enum Piece {
     Line([Vector2<f64>; 2]),
     Curve(Curve),
@@ -153,6 +154,7 @@ impl Chords {
     }
 
     /// Prepares the chords of the curves of a drawing of these pieces.
+    #[cfg(feature = "svg")]
     pub(super) fn of_pieces<'p>(pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let (mut points, mut ends) = (Vec::new(), Vec::new());
         for piece in pieces {
@@ -171,6 +173,7 @@ impl Chords {
 
     /// Returns the ends of the lines that a piece becomes, from its start to its end. Returns `None` if the drawing has too
     /// many chords.
+    #[cfg(feature = "svg")]
     pub(super) fn lines_of(&mut self, piece: &Piece) -> Option<Vec<[Vector2<f64>; 2]>> {
         match piece {
             Piece::Line(ends) => Some(vec![*ends]),
