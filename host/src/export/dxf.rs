@@ -9,7 +9,7 @@ use ::dxf::enums::{AcadVersion, Units};
 use ::dxf::tables::Layer;
 use ::dxf::{Color, Drawing, Point};
 
-use super::{Export, Made, Sink, Source};
+use super::{Export, Made, Sink};
 use crate::pattern::{CreasePattern, Letter, Unit};
 use crate::read::FileError;
 
@@ -24,10 +24,7 @@ const LAYERS: [(&str, u8); 5] = [
 
 /// Makes the drawing.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
-    let pattern = match export.source {
-        Source::Motion(motion) => &*motion.pattern,
-        Source::Pattern(_, pattern) => pattern,
-    };
+    let pattern = export.source.pattern();
     let mut bytes = Vec::new();
     drawing(pattern).save(&mut bytes).map_err(|error| {
         let expected = "a sheet that DXF can hold";

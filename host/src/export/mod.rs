@@ -103,6 +103,14 @@ impl Source<'_> {
             Self::Pattern(title, _) => title,
         }
     }
+
+    /// Returns the crease pattern, for a path that of its sheet.
+    fn pattern(&self) -> &CreasePattern {
+        match self {
+            Self::Motion(motion) => &motion.pattern,
+            Self::Pattern(_, pattern) => pattern,
+        }
+    }
 }
 
 /// An export of a path or a pattern.

@@ -61,10 +61,7 @@ impl Colour {
 /// Makes the drawing. Groups are those of a path that names some, and are looked for otherwise.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let title = export.source.title();
-    let pattern = match export.source {
-        Source::Motion(motion) => &*motion.pattern,
-        Source::Pattern(_, pattern) => pattern,
-    };
+    let pattern = export.source.pattern();
     let (mut sheet, told) = match (export.options.colour, export.source) {
         (Colour::Letters, _) => {
             let told = format!("{} edges by letters", pattern.edges().len());

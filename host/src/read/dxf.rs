@@ -19,9 +19,10 @@ use ::dxf::{Block, Drawing, DxfError};
 
 use self::layers::{Layers, Meaning, Style};
 use self::outlines::{Outline, Placement, outline};
-use self::reduced::{MAX_LISTED, Reduced, reduced};
+use self::reduced::{MAX_LISTED, Reduced, reduced, too_long};
 use super::curves::{Chords, Piece, STRAIGHT_CREASE};
 use super::error::Wrong;
+use super::format::BINARY_DXF;
 use super::segments::{LooseLines, MAX_LINES, Segment, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::pattern::Unit;
@@ -65,12 +66,11 @@ fn parsed(bytes: &[u8]) -> Result<(Drawing, BTreeMap<&'static str, usize>), Wron
     if bytes.starts_with(b"AutoCAD DXB") {
         return Err(no_drawing("the file", "a DXB file"));
     }
-    if bytes.starts_with(BINARY) {
+    if bytes.starts_with(BINARY_DXF.as_bytes()) {
         let pairs = bytes.windows(2);
         let starts = pairs.filter(|pair| pair[0] == 0 && pair[1].is_ascii_uppercase());
         if starts.count() > MAX_LISTED {
-            let expected = format!("at most {MAX_LISTED} things in the file");
-            return Err(("the file".into(), expected, "more".into()));
+            return Err(too_long());
         }
         let loaded = load(bytes, encoding_rs::WINDOWS_1252);
         let drawing = loaded.map_err(|error| no_drawing("the file", error.to_string()))?;
@@ -112,9 +112,6 @@ fn parsed(bytes: &[u8]) -> Result<(Drawing, BTreeMap<&'static str, usize>), Wron
     })?;
     Ok((drawing, left_out))
 }
-
-/// First words of a binary file.
-const BINARY: &[u8] = b"AutoCAD Binary DXF";
 
 /// Parses a file with the crate `dxf`, which asserts some of what a file has to keep to.
 fn load(mut bytes: &[u8], encoding: &'static encoding_rs::Encoding) -> Result<Drawing, DxfError> {
@@ -214,9 +211,9 @@ impl<'a> Reader<'a> {
         if let EntityType::Insert(insert) = &entity.specific {
             return self.read_block(insert, number, placement, &style, depth);
         }
-        let wrong = |(expected, found): (&str, String)| {
+        let wrong = |(expected, found)| {
             let place = format!("entity {number} ({}), layer {}", kind(entity), style.layer);
-            (place, expected.to_string(), found)
+            (place, expected, found)
         };
         let Some(Outline { pieces, heights }) = outline(entity, placement).map_err(wrong)? else {
             self.leave_out(kind(entity), 1);
@@ -271,8 +268,7 @@ impl<'a> Reader<'a> {
             for column in 0..count(insert.column_count) {
                 let cell = [column, row].map(f64::from);
                 let inner = placement.of_insert(insert, &block.base_point, cell);
-                let inner =
-                    inner.map_err(|(expected, found)| (place(), expected.to_string(), found))?;
+                let inner = inner.map_err(|(expected, found)| (place(), expected, found))?;
                 for entity in &block.entities {
                     self.read_entity(entity, number, &inner, style, depth + 1)?;
                 }
@@ -320,6 +316,7 @@ impl<'a> Reader<'a> {
                 } = stroke;
                 format!("entity {number} ({kind}), layer {layer}")
             };
+            let before = segments.len();
             for piece in &stroke.pieces {
                 let piece = piece.straight(STRAIGHT_RATIO * size);
                 if let Piece::Curve(curve) = &piece
@@ -331,12 +328,14 @@ impl<'a> Reader<'a> {
                 let lines = chords.lines_of(&piece).ok_or_else(|| {
                     (named(), format!("at most {MAX_LINES} lines"), "more".into())
                 })?;
-                *counts.entry(meaning.key(&stroke.layer)).or_default() += lines.len();
                 segments.extend(lines.into_iter().map(|ends| Segment {
                     ends,
                     letter,
                     goal: None,
                 }));
+            }
+            if segments.len() > before {
+                *counts.entry(meaning.key(&stroke.layer)).or_default() += segments.len() - before;
             }
         }
         notes.extend(counts.iter().map(|(key, count)| format!("{key}: {count}")));

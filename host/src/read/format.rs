@@ -119,7 +119,7 @@ impl Format {
 }
 
 /// First words of a binary DXF file.
-const BINARY_DXF: &str = "AutoCAD Binary DXF";
+pub(super) const BINARY_DXF: &str = "AutoCAD Binary DXF";
 
 /// Returns `true` if a text begins as a DXF file does.
 fn is_dxf(text: &str) -> bool {

@@ -75,13 +75,15 @@ impl fmt::Display for Turn {
 
 impl fmt::Display for Order {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let step = |step: &Vec<Turn>| {
-            let turns: Vec<String> = step.iter().map(ToString::to_string).collect();
-            turns.join(",")
-        };
-        let steps: Vec<String> = self.0.iter().map(step).collect();
+        let steps: Vec<String> = self.0.iter().map(|step| in_words(step)).collect();
         write!(f, "{}", steps.join(" / "))
     }
+}
+
+/// Writes a step as a user does.
+fn in_words(step: &[Turn]) -> String {
+    let turns: Vec<String> = step.iter().map(ToString::to_string).collect();
+    turns.join(",")
 }
 
 impl Order {
@@ -133,9 +135,9 @@ impl Order {
 
     /// Describes the step with this number, from 0. After the last one follows that of the edges that are not named.
     pub(super) fn step(&self, number: usize) -> String {
-        let step = self.0.get(number).map(|step| Self(vec![step.clone()]));
+        let step = self.0.get(number);
         let edges = step.map_or("the edges that are not named".into(), |step| {
-            format!("edges {step}")
+            format!("edges {}", in_words(step))
         });
         format!("step {} of the order ({edges})", number + 1)
     }

@@ -56,7 +56,8 @@ pub(crate) fn splits_phases(problem: &PlanningProblem<'_>, straight: &Plan) -> b
     turns_freely(problem.pattern) && matches!(straight.outcome, Outcome::Crossing(_))
 }
 
-/// Returns a plan on one leg of which some creases fold before or after the others, if one is found. `straight` is the plan that folds all at once, for which [`splits_phases`] is true.
+/// Returns a plan in which some creases fold before or after the others on one leg, if one is found. `straight` is the plan
+/// that folds all at once, for which [`splits_phases`] is true.
 ///
 /// Best first: where two faces cross in a phase, each crease between them is moved to a phase before or after. Only phases
 /// whose samples are free are planned.

@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_8, TAU};
 use core::fmt::Debug;
 
-use ::dxf::entities::{Arc, Ellipse, Entity, EntityType, Insert, Polyline, Spline};
+use ::dxf::entities::{Ellipse, Entity, EntityType, Insert, Polyline, Spline};
 use ::dxf::{Point, Vector};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -11,7 +11,7 @@ use crate::read::curves::{Curve, Piece};
 use crate::read::segments::MAX_LINES;
 
 /// Expected value and value found.
-type Wrong = (&'static str, String);
+type Wrong = (String, String);
 
 /// Largest angle of an arc that becomes one cubic curve, radians. The curve is then within 7e-8 radii of the arc.
 const ARC_RAD: f64 = FRAC_PI_8;
@@ -52,10 +52,8 @@ fn side(normal: &Vector) -> Result<f64, Wrong> {
         return Ok(normal.z.signum());
     }
     let found = format!("the normal ({}, {}, {})", normal.x, normal.y, normal.z);
-    Err((
-        "a flat drawing, whose normals are (0, 0, 1) or (0, 0, -1)",
-        found,
-    ))
+    let expected = "a flat drawing, whose normals are (0, 0, 1) or (0, 0, -1)";
+    Err((expected.into(), found))
 }
 
 impl Placement {
@@ -103,10 +101,8 @@ pub(super) fn outline(entity: &Entity, placement: &Placement) -> Result<Option<O
         _ => 0,
     };
     if vertices > MAX_LINES {
-        return Err((
-            "a line of at most 4194304 pieces",
-            format!("{vertices} vertices"),
-        ));
+        let expected = format!("a line of at most {MAX_LINES} pieces");
+        return Err((expected, format!("{vertices} vertices")));
     }
     let (mut pieces, heights) = match &entity.specific {
         EntityType::Line(line) => {
@@ -121,16 +117,17 @@ pub(super) fn outline(entity: &Entity, placement: &Placement) -> Result<Option<O
             (pieces, vec![side * elevation])
         }
         EntityType::Polyline(line) => of_polyline(line)?,
-        EntityType::Arc(arc) => of_arc(arc)?,
+        EntityType::Arc(arc) => {
+            let ends = [arc.start_angle, arc.end_angle].map(f64::to_radians);
+            circular(
+                &arc.center,
+                &arc.normal,
+                arc.radius,
+                counter_clockwise(ends),
+            )?
+        }
         EntityType::Circle(circle) => {
-            let side = side(&circle.normal)?;
-            let radius = Vector2::new(circle.radius, 0.0);
-            let pieces = conic(
-                Vector2::new(side * circle.center.x, circle.center.y),
-                [radius, Vector2::new(0.0, circle.radius)],
-                [0.0, TAU],
-            );
-            (pieces, vec![side * circle.center.z])
+            circular(&circle.center, &circle.normal, circle.radius, [0.0, TAU])?
         }
         EntityType::Ellipse(ellipse) => of_ellipse(ellipse)?,
         EntityType::Spline(spline) => {
@@ -142,7 +139,7 @@ pub(super) fn outline(entity: &Entity, placement: &Placement) -> Result<Option<O
     for piece in &mut pieces {
         let hull = piece.hull_mut();
         if !hull.iter().all(|at| at.x.is_finite() && at.y.is_finite()) {
-            return Err(("finite coordinates", format!("{:?}", hull[0])));
+            return Err(("finite coordinates".into(), format!("{:?}", hull[0])));
         }
         hull.iter_mut().for_each(|at| *at = placement.apply(*at));
     }
@@ -183,7 +180,7 @@ fn polyline(vertices: &[(Vector2<f64>, f64)], is_closed: bool) -> Vec<Piece> {
 
 fn of_polyline(line: &Polyline) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
     if line.is_3d_polygon_mesh() || line.is_polyface_mesh() {
-        return Err(("lines", "a mesh".into()));
+        return Err(("lines".into(), "a mesh".into()));
     }
     let side = side(&line.normal)?;
     // The control points of a curve fitted to the others are no part of it.
@@ -206,20 +203,23 @@ fn of_polyline(line: &Polyline) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
     Ok((pieces, heights))
 }
 
-fn of_arc(arc: &Arc) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
-    let side = side(&arc.normal)?;
-    let from = arc.start_angle.to_radians();
-    let turn = (arc.end_angle.to_radians() - from).rem_euclid(TAU);
-    let turn = if turn > 0.0 { turn } else { TAU };
-    let axes = [
-        Vector2::new(side * arc.radius, 0.0),
-        Vector2::new(0.0, arc.radius),
-    ];
-    let center = Vector2::new(side * arc.center.x, arc.center.y);
-    Ok((
-        conic(center, axes, [from, from + turn]),
-        vec![side * arc.center.z],
-    ))
+/// Returns a circle between two angles, radians, with the height of its plane.
+fn circular(
+    center: &Point,
+    normal: &Vector,
+    radius: f64,
+    ends: [f64; 2],
+) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
+    let side = side(normal)?;
+    let axes = [Vector2::new(side * radius, 0.0), Vector2::new(0.0, radius)];
+    let pieces = conic(Vector2::new(side * center.x, center.y), axes, ends);
+    Ok((pieces, vec![side * center.z]))
+}
+
+/// Returns the angles from one to another counter-clockwise, a full turn if they are equal, radians.
+fn counter_clockwise([from, to]: [f64; 2]) -> [f64; 2] {
+    let turn = (to - from).rem_euclid(TAU);
+    [from, from + if turn > 0.0 { turn } else { TAU }]
 }
 
 fn of_ellipse(ellipse: &Ellipse) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
@@ -227,14 +227,9 @@ fn of_ellipse(ellipse: &Ellipse) -> Result<(Vec<Piece>, Vec<f64>), Wrong> {
     // Unlike other round things, ellipses are in the coordinates of the drawing.
     let major = Vector2::new(ellipse.major_axis.x, ellipse.major_axis.y);
     let minor = Vector2::new(-major.y, major.x) * (side * ellipse.minor_axis_ratio);
-    let from = ellipse.start_parameter;
-    let turn = (ellipse.end_parameter - from).rem_euclid(TAU);
-    let turn = if turn > 0.0 { turn } else { TAU };
+    let ends = counter_clockwise([ellipse.start_parameter, ellipse.end_parameter]);
     let center = Vector2::new(ellipse.center.x, ellipse.center.y);
-    Ok((
-        conic(center, [major, minor], [from, from + turn]),
-        vec![ellipse.center.z],
-    ))
+    Ok((conic(center, [major, minor], ends), vec![ellipse.center.z]))
 }
 
 /// Returns cubic curves along the center plus `u cos t + v sin t`, for t from one angle to another, radians.
@@ -269,11 +264,16 @@ fn conic(center: Vector2<f64>, [u, v]: [Vector2<f64>; 2], [from, to]: [f64; 2]) 
 
 /// Returns cubic curves along a spline: exactly, if it has no weights and at most degree three.
 fn of_spline(spline: &Spline) -> Result<Vec<Piece>, Wrong> {
-    let wrong = |expected: &'static str, found: &dyn Debug| Err((expected, format!("{found:?}")));
+    let wrong = |expected: &str, found: &dyn Debug| Err((expected.into(), format!("{found:?}")));
     let (points, knots) = (&spline.control_points, &spline.knot_values);
     let degree = match usize::try_from(spline.degree_of_curve) {
         Ok(degree) if (1..=MAX_DEGREE).contains(&spline.degree_of_curve) => degree,
-        _ => return wrong("a degree from 1 to 25", &spline.degree_of_curve),
+        _ => {
+            return wrong(
+                &format!("a degree from 1 to {MAX_DEGREE}"),
+                &spline.degree_of_curve,
+            );
+        }
     };
     if points.is_empty() {
         return wrong("a spline with control points", &"none");
@@ -283,10 +283,8 @@ fn of_spline(spline: &Spline) -> Result<Vec<Piece>, Wrong> {
         || points.len() > MAX_LINES
     {
         let found = format!("{} control points and {} knots", points.len(), knots.len());
-        return Err((
-            "as many knots as control points and the degree plus one",
-            found,
-        ));
+        let expected = "as many knots as control points and the degree plus one";
+        return Err((expected.into(), found));
     }
     if !knots.is_sorted() || !knots.iter().all(|knot| knot.is_finite()) {
         return wrong("knots that do not fall", knots);

@@ -47,12 +47,10 @@ pub(super) struct Reduced {
     pub(super) left_out: BTreeMap<&'static str, usize>,
 }
 
-/// Part of the file that a pair belongs to.
-#[derive(Clone, Copy, PartialEq)]
-enum Place {
-    Outside,
-    Header { kept: bool },
-    Other { kept: bool },
+/// Returns the error that a file lists too much.
+pub(super) fn too_long() -> Wrong {
+    let expected = format!("at most {MAX_LISTED} things in the file");
+    ("the file".into(), expected, "more".into())
 }
 
 /// Reduces the text of a file.
@@ -61,9 +59,10 @@ enum Place {
 /// If a line that has to be a code is no number, or the file lists too much.
 pub(super) fn reduced(bytes: &[u8]) -> Result<Reduced, Wrong> {
     let mut reduced = Reduced::default();
-    let mut lines = (1..).zip(bytes.split(|byte| *byte == b'\n')).peekable();
+    let mut lines = (1..).zip(bytes.split(|byte| *byte == b'\n'));
     let (mut section, mut in_layers, mut listed) = (Vec::new(), false, 0_usize);
-    let (mut place, mut attached) = (Place::Outside, false);
+    // `kept` until the next thing or variable, and `attached` within data of other programs.
+    let (mut kept, mut attached) = (false, false);
     while let Some((number, line)) = lines.next() {
         let Some((_, value)) = lines.next() else {
             break;
@@ -85,28 +84,22 @@ pub(super) fn reduced(bytes: &[u8]) -> Result<Reduced, Wrong> {
         })?;
         let word = value.trim_ascii();
         if code == 0 {
-            (place, attached) = (Place::Other { kept: true }, false);
             listed += 1;
             if listed > MAX_LISTED {
-                let expected = format!("at most {MAX_LISTED} things in the file");
-                return Err(("the file".into(), expected, "more".into()));
+                return Err(too_long());
             }
-            match word {
-                b"SECTION" | b"TABLE" => {
-                    // The pair that follows has the name.
-                    let rest = lines.clone().nth(1);
-                    let name = rest.map_or(&b""[..], |(_, name)| name.trim_ascii());
-                    if word == b"SECTION" {
-                        section = name.to_vec();
-                        in_layers = false;
-                    } else {
-                        in_layers = name == b"LAYER";
-                    }
-                    if section == b"HEADER" {
-                        place = Place::Header { kept: true };
-                    }
-                }
-                _ => {}
+            // The pair that follows has the name.
+            let name = || {
+                lines
+                    .clone()
+                    .nth(1)
+                    .map_or(&b""[..], |(_, name)| name.trim_ascii())
+            };
+            if word == b"SECTION" {
+                section = name().to_vec();
+                in_layers = false;
+            } else if word == b"TABLE" {
+                in_layers = name() == b"LAYER";
             }
             let counts = SECTIONS.iter().any(|known| *known == section)
                 && (section != b"TABLES" || in_layers || matches!(word, b"SECTION" | b"ENDSEC"));
@@ -114,25 +107,17 @@ pub(super) fn reduced(bytes: &[u8]) -> Result<Reduced, Wrong> {
             if counts && !is_kept && section != b"TABLES" {
                 *reduced.left_out.entry(named(word)).or_default() += 1;
             }
-            if !(counts && is_kept || word == b"EOF") {
-                place = Place::Other { kept: false };
-            }
+            (kept, attached) = (counts && is_kept || word == b"EOF", false);
             if word == b"ENDTAB" {
                 in_layers = false;
             }
-        } else if code == 9 && matches!(place, Place::Header { .. }) {
-            place = Place::Header {
-                kept: VARIABLES.contains(&word),
-            };
+        } else if code == 9 && section == b"HEADER" {
+            kept = VARIABLES.contains(&word);
         } else if code == 102 {
             attached = word.starts_with(b"{");
             continue;
         }
-        let kept = match place {
-            Place::Outside => false,
-            Place::Header { kept } | Place::Other { kept } => kept && !attached && code < COMMENT,
-        };
-        if kept {
+        if kept && !attached && code < COMMENT {
             reduced.bytes.extend(format!("{code}\n").bytes());
             reduced.bytes.extend(value);
             reduced.bytes.push(b'\n');
