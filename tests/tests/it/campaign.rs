@@ -275,6 +275,14 @@ fn a_square_is_swept_whose_layers_turn_nearly_alike() {
     assert!(planned.plan.notes.is_empty(), "{:?}", planned.plan.notes);
 }
 
+/// Nets of meshes, some of which cross if all creases turn at once; phases of very different lengths lead past that.
+#[test]
+fn nets_are_planned_whose_creases_cannot_turn_at_once() {
+    let net = Family::ALL.iter().find(|family| family.name == "net");
+    let tally = run(*net.unwrap(), 1, 12, &PlanOptions::default());
+    assert_eq!(tally.planned, 12, "{:?}", tally.others);
+}
+
 /// Squares whose lines cannot fold all at once, and of whose creases hardly any can fold alone. Found by the campaign.
 #[test]
 fn squares_are_folded_line_by_line() {

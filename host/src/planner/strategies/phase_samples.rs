@@ -19,6 +19,9 @@ const FACES_PER_PAIR: usize = 40;
 const SAMPLES: [f64; 16] = [
     0.01, 0.03, 0.08, 0.16, 0.24, 0.32, 0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.95, 0.985, 1.0,
 ];
+/// Number of times that the part between a sample that is free and one that crosses is halved, to tell how far phases lead
+/// that part the creases in nearly the same way.
+const HALVINGS: usize = 6;
 
 /// Returns `true` if each hinge of a sheet turns freely, whatever the others do.
 pub(super) fn turns_freely(pattern: &CreasePattern) -> bool {
@@ -78,6 +81,7 @@ impl<'a> PhaseSamples<'a> {
             return *known;
         }
         let found = self.first(&sets, &SAMPLES);
+        let found = found.map(|found| self.bisected(&sets, found));
         self.known.insert(sets, found);
         found
     }
@@ -94,6 +98,26 @@ impl<'a> PhaseSamples<'a> {
         let found = at_end.or_else(|| self.first(&sets, within));
         self.known.insert(sets, found);
         found.is_none()
+    }
+
+    /// Returns the crossing that ends the free part of a phase, given the first sample that crosses.
+    fn bisected(
+        &mut self,
+        sets: &[FixedBitSet; 2],
+        mut found: SampledCrossing,
+    ) -> SampledCrossing {
+        let mut crossed = SAMPLES.into_iter().find(|&part| part > found.free).unwrap_or(1.0);
+        for _ in 0..HALVINGS {
+            let half = 0.5 * (found.free + crossed);
+            match self.first(sets, &[half]) {
+                Some(SampledCrossing { faces, .. }) => {
+                    crossed = half;
+                    found.faces = faces;
+                }
+                None => found.free = half,
+            }
+        }
+        found
     }
 
     /// Returns the crossing at the first of some parts of a phase at which faces cross that it moves relative to each other,

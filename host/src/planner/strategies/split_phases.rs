@@ -11,7 +11,6 @@ use fixedbitset::FixedBitSet;
 
 use super::phase_samples::{PhaseSamples, SampledCrossing, turns_freely};
 use super::stops::{Leg, StopSearch, between, search_stops, set};
-use crate::pattern::FaceId;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Outcome, Plan};
@@ -97,21 +96,18 @@ impl StopSearch for Candidates<'_> {
             if self.samples.is_spent() {
                 return None;
             }
-            #[allow(clippy::cast_precision_loss, reason = "counts of phases")]
-            let reached = (phase as f64 + crossing.free) / self.tried.len() as f64;
-            self.split(phase, crossing.faces, reached);
+            self.split(phase, crossing);
         }
     }
 
     fn learn(&mut self, plan: &Plan) {
         if let Outcome::Crossing(crossing) = plan.outcome {
             let phase = self.leg.ended_phases(plan).min(self.tried.len() - 1);
-            #[allow(clippy::cast_precision_loss, reason = "counts of phases")]
-            let free = plan.reached * self.tried.len() as f64 - phase as f64;
-            let (free, faces) = (free.clamp(0.0, 1.0), crossing.faces);
-            let first = self.tried[..=phase].to_vec();
-            self.crossed.insert(first, SampledCrossing { free, faces });
-            self.split(phase, faces, plan.reached);
+            let free = self.leg.folded_part(plan, &self.tried[phase]);
+            let faces = crossing.faces;
+            let crossing = SampledCrossing { free, faces };
+            self.crossed.insert(self.tried[..=phase].to_vec(), crossing);
+            self.split(phase, crossing);
         }
     }
 }
@@ -129,10 +125,14 @@ impl Candidates<'_> {
         })
     }
 
-    /// Adds the ways to split a phase of those tried, in which two faces cross after this part of the way to the goal.
-    fn split(&mut self, phase: usize, faces: [FaceId; 2], reached: f64) {
+    /// Adds the ways to split the phase of those tried in which two faces cross.
+    fn split(&mut self, phase: usize, crossing: SampledCrossing) {
         let phases = &self.tried;
-        let between = between(self.problem.pattern, faces);
+        let lengths: Vec<f64> = phases.iter().map(|phase| self.leg.length(phase)).collect();
+        let before: f64 = lengths[..phase].iter().sum();
+        let whole: f64 = lengths.iter().sum();
+        let reached = (before + crossing.free * lengths[phase]) / whole;
+        let between = between(self.problem.pattern, crossing.faces);
         for crease in between.intersection(&phases[phase]) {
             for next in with_one_moved(phases, phase, crease) {
                 if !self.known.insert(next.clone()) {

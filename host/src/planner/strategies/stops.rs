@@ -58,6 +58,23 @@ impl Leg {
         stops.collect()
     }
 
+    /// Returns the length of the path on which these creases turn at once, radians: the root of the sum of the squares of
+    /// their turns.
+    pub(super) fn length(&self, phase: &FixedBitSet) -> f64 {
+        let squares = phase.ones().map(|crease| self.turn(crease).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
+    /// Returns the part of their turn, 0 to 1, that these creases have made where a plan ends.
+    pub(super) fn folded_part(&self, plan: &Plan, phase: &FixedBitSet) -> f64 {
+        let by_turn = |a: &usize, b: &usize| self.turn(*a).abs().total_cmp(&self.turn(*b).abs());
+        let (motion, crease) = (plan.motion.as_ref(), phase.ones().max_by(by_turn));
+        motion.zip(crease).map_or(0.0, |(motion, crease)| {
+            let angle = motion.crease_angles(motion.segments())[crease];
+            ((angle - self.start[crease]) / self.turn(crease)).clamp(0.0, 1.0)
+        })
+    }
+
     /// Returns the number of phases of the leg that are at their end in a plan by way of its stops.
     pub(super) fn ended_phases(&self, plan: &Plan) -> usize {
         plan.ended_phases().saturating_sub(self.before)
