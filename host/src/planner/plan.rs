@@ -59,7 +59,7 @@ pub struct Times {
     /// Finding the spanning tree, crease groups and essential vertices, closing the goal under them, and the closure of
     /// the goal as asked.
     pub symmetry: Duration,
-    /// Following the path in group angles.
+    /// Following paths in group angles, and everything that is not named here.
     pub solve: Duration,
     /// Placing knots on the path and certifying the motion between them.
     pub place: Duration,
@@ -136,7 +136,7 @@ pub struct Effort {
     pub iterations: u64,
     /// Number of evaluations of the closure conditions by the solver.
     pub evaluations: u64,
-    /// Time spent.
+    /// Time spent by the whole call, whatever it led to.
     pub times: Times,
     /// `true` if random numbers may have decided the answer.
     pub is_random: bool,
@@ -312,16 +312,5 @@ impl AddAssign for Effort {
     fn add_assign(&mut self, other: Self) {
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;
-        self.times += other.times;
-    }
-}
-
-impl AddAssign for Times {
-    fn add_assign(&mut self, other: Self) {
-        self.symmetry += other.symmetry;
-        self.solve += other.solve;
-        self.place += other.place;
-        self.fold += other.fold;
-        self.collision += other.collision;
     }
 }

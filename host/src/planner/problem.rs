@@ -1,10 +1,13 @@
 //! The planning problem: sheet, goal and options, and how errors of rounded input are treated.
 
-use std::sync::Arc;
+use core::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::plan::Times;
 use super::{Goal, PlanOptions};
 use crate::pattern::CreasePattern;
-use crate::progress::Watch;
+use crate::progress::{Stage, Watch};
+use crate::util::clock::Instant;
 
 /// Treatment of the errors that rounded coordinates leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,9 +59,58 @@ pub(super) struct PlanningProblem<'a> {
     /// Depth up to which an overlap of faces is contact, median edges.
     pub(super) contact: f64,
     pub(super) watch: Watch<'a>,
+    pub(super) stage_times: &'a StageTimes,
+}
+
+/// Time that a call has spent in each stage so far. A stage within another one counts for itself alone.
+#[derive(Default)]
+pub(super) struct StageTimes(Mutex<Spent>);
+
+#[derive(Default)]
+struct Spent {
+    times: Times,
+    /// Time of the stages within the present one that are over.
+    within: Duration,
+}
+
+impl StageTimes {
+    /// Returns the time spent in stages that are over.
+    pub(super) fn times(&self) -> Times {
+        self.spent().times
+    }
+
+    fn spent(&self) -> MutexGuard<'_, Spent> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Spent {
+    fn add(&mut self, stage: Stage, time: Duration) {
+        let times = &mut self.times;
+        *match stage {
+            Stage::Symmetry => &mut times.symmetry,
+            Stage::Placing => &mut times.place,
+            Stage::Folding => &mut times.fold,
+            Stage::Crossings => &mut times.collision,
+            _ => &mut times.solve,
+        } += time;
+    }
 }
 
 impl PlanningProblem<'_> {
+    /// Does the work of a stage: tells who watches that it begins, and adds the time that it takes.
+    pub(super) fn stage<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
+        self.watch.begin(stage);
+        let before = core::mem::take(&mut self.stage_times.spent().within);
+        let start = Instant::now();
+        let done = work();
+        let time = start.elapsed();
+        let mut spent = self.stage_times.spent();
+        let within = core::mem::replace(&mut spent.within, before + time);
+        spent.add(stage, time.saturating_sub(within));
+        done
+    }
+
     /// Returns `true` once the call is over.
     pub(super) fn is_late(&self) -> bool {
         self.watch.is_over()

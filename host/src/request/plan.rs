@@ -213,8 +213,9 @@ impl PlanTask {
             ));
         }
         if self.is_own_goal {
-            let watch = Watch::new(progress).until(deadline);
+            let (start, watch) = (Instant::now(), Watch::new(progress).until(deadline));
             remarks.extend(in_the_way(&file.pattern, plan.outcome, watch));
+            plan.effort.times.solve += start.elapsed();
         }
         Planned {
             goal: self.goal,

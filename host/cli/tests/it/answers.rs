@@ -1,6 +1,6 @@
 //! Checks that the JSON objects of the commands have exactly the keys of the contract, with values of the right kinds.
 
-use crate::common::{PATTERNS, folder_with_path};
+use crate::common::{PATTERNS, folder, folder_with_path};
 use serde_json::{Value, json};
 
 /// Returns `true` if `value` is of the kind that `shape` states: a name (or several, separated by `|`), a list whose
@@ -75,6 +75,19 @@ fn plan_shape() -> Value {
         },
         "seed": "count", "unit": "string|null", "precision": {"length": "number|null", "angle": "number|null"},
     })
+}
+
+/// A sheet for which many strategies are tried, all of which end early: their time is told as well.
+#[test]
+fn times_of_stages_add_up_to_the_whole() {
+    let plan = folder().run(&format!("plan {PATTERNS}/kresling-2x6.fold --json"));
+    let answer = plan.with_status(1).json();
+    let time = answer["time"].as_object().unwrap();
+    let seconds = |stage: &str| time[stage].as_f64().unwrap();
+    let stages = time.keys().filter(|stage| *stage != "total");
+    let sum: f64 = stages.map(|stage| seconds(stage)).sum();
+    assert!(sum <= seconds("total"), "{time:?}");
+    assert!(sum >= 0.95 * seconds("total"), "{time:?}");
 }
 
 fn check_shape() -> Value {

@@ -8,12 +8,12 @@ use super::nearly_closed::nearly_closed;
 use super::reduction::{CLOSED, ClosedGoal, Reduction, SAME_RAD};
 use crate::planner::Search;
 use crate::planner::goal::GoalKind;
-use crate::planner::plan::{Effort, Times};
+use crate::planner::plan::Effort;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Stop};
 use crate::planner::vectors::{fraction, largest, max_difference, max_norm};
+use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
-use crate::util::clock::Instant;
 
 /// Way in which a route ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ pub(crate) struct Route<'a> {
     pub(crate) exactly: bool,
     /// Fraction of the goal's angles that the last waypoint has, 0 to 1.
     pub(crate) reached: f64,
-    /// Time and work spent on all routes that were tried.
+    /// Work spent on all routes that were tried.
     pub(crate) effort: Effort,
     pub(crate) notes: Vec<Note>,
     /// Reduction to the crease groups that were dropped last, as the goal does not close under them or the sheet folds
@@ -81,10 +81,8 @@ impl<'a> Route<'a> {
         exactly: bool,
     ) -> Self {
         let mut finder = RouteFinder::new(*problem, &reduction);
-        let start = Instant::now();
-        let targets = finder.targets(reach, exactly);
-        let symmetry = start.elapsed();
-        let start = Instant::now();
+        let targets = problem.stage(Stage::Symmetry, || finder.targets(reach, exactly));
+        problem.watch.begin(Stage::Following);
         let goals = problem.goal.via.len() + 1;
         let known = targets
             .as_ref()
@@ -131,12 +129,8 @@ impl<'a> Route<'a> {
             effort: Effort {
                 iterations: work.iterations,
                 evaluations: work.evaluations,
-                times: Times {
-                    symmetry,
-                    solve: start.elapsed(),
-                    ..Times::default()
-                },
                 is_random,
+                ..Effort::default()
             },
             notes,
             symmetric: None,
@@ -149,7 +143,6 @@ impl<'a> Route<'a> {
     /// Returns `None` if a crease has no goal angle, the goal has goals on the way, or there is none.
     pub(crate) fn nearly_closed(problem: &PlanningProblem<'a>) -> Option<Self> {
         let (goal, options) = (problem.goal, problem.options);
-        let start = Instant::now();
         let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
         let asked: Option<Vec<f64>> = reduction.asked(goal).0.into_iter().collect();
         let asked = asked.filter(|_| goal.via.is_empty() && reduction.allows(goal))?;
@@ -162,15 +155,13 @@ impl<'a> Route<'a> {
         if !waypoints.iter().all(keeps_bound) {
             return None;
         }
-        let mut effort = Effort::default();
-        effort.times.solve = start.elapsed();
         Some(Self {
             waypoints,
             closure_tolerance: options.bound,
             end: End::Reached,
             exactly: false,
             reached: 1.0,
-            effort,
+            effort: Effort::default(),
             notes: vec![Note::NearlyClosed],
             symmetric: None,
             asked_closure: Some(reduction.closure_of_sheet(&asked)),

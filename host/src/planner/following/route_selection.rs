@@ -10,7 +10,6 @@ use crate::planner::problem::{ErrorModel, PlanningProblem};
 use crate::planner::reason::{GroupsDropped, Note};
 use crate::progress::Stage;
 use crate::symmetry::{CreaseGroups, closure_of};
-use crate::util::clock::Instant;
 
 /// Fraction of the goal by which a path has to lead farther than another one to be preferred to it, although it has
 /// less symmetry or moved coordinates.
@@ -28,25 +27,20 @@ pub(crate) fn select_route<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a
 
 /// Finds the route that leads farthest on any of the proposed crease groups, and without any.
 fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
-    let start = Instant::now();
-    problem.watch.begin(Stage::Symmetry);
     let (pattern, goal) = (problem.pattern, problem.goal);
-    let proposals = proposals(problem);
-    let asked_closure = if proposals.is_empty() {
-        None
-    } else {
-        closure_of(pattern, &goal.fold_angles)
-    };
+    let (proposals, asked_closure) = problem.stage(Stage::Symmetry, || {
+        let proposals = proposals(problem);
+        let is_needed = !proposals.is_empty();
+        let closure = is_needed.then(|| closure_of(pattern, &goal.fold_angles));
+        (proposals, closure.flatten())
+    });
     let exact = asked_closure.is_some_and(|closure| closure <= CLOSED);
     let mut effort = Effort::default();
-    effort.times.symmetry = start.elapsed();
     let mut notes = Vec::new();
     let mut best: Option<Route<'_>> = None;
     let mut symmetric: Option<Reduction<'_>> = None;
     let without = core::iter::once_with(|| (CreaseGroups::trivial(pattern), false));
     for (groups, exactly) in proposals.into_iter().chain(without) {
-        let start = Instant::now();
-        problem.watch.begin(Stage::Symmetry);
         // A goal far away is not what was asked for: with every crease free, one may be nearer. If the goal closes as
         // asked, with every crease on its own, a goal beside it is not what was asked for either.
         let reach = if exact && !groups.is_trivial() {
@@ -54,9 +48,7 @@ fn among_groups<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
         } else {
             goal.reach
         };
-        let reduction = Reduction::of(problem, groups);
-        effort.times.symmetry += start.elapsed();
-        problem.watch.begin(Stage::Following);
+        let reduction = problem.stage(Stage::Symmetry, || Reduction::of(problem, groups));
         let route = Route::find(problem, reduction, reach, exactly);
         effort += route.effort;
         let dropped = match best.take() {
@@ -117,16 +109,16 @@ fn on_measured_stars<'a>(problem: &PlanningProblem<'a>) -> Option<Route<'a>> {
 /// Finds the route of every crease on its own, with stars that are taken to fold flat exactly where they nearly do.
 /// Returns `None` if no star changes, or the sheet as it is does not close as well along the route as the bound needs.
 fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<Route<'a>> {
-    let start = Instant::now();
     let PlanningProblem {
         pattern,
         goal,
         options,
         ..
     } = *problem;
-    let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
-    let (reduction, turned) = reduction.snapped(pattern, goal, options, coarse)?;
-    let symmetry = start.elapsed();
+    let (reduction, turned) = problem.stage(Stage::Symmetry, || {
+        let reduction = Reduction::of(problem, CreaseGroups::trivial(pattern));
+        reduction.snapped(pattern, goal, options, coarse)
+    })?;
     let mut route = Route::find(problem, reduction, goal.reach, false);
     let reduction = &route.reduction;
     let open = |waypoint: &Waypoint| reduction.closure_of_sheet(&waypoint.angles);
@@ -135,7 +127,6 @@ fn on_snapped_stars<'a>(problem: &PlanningProblem<'a>, coarse: bool) -> Option<R
         return None;
     }
     route.notes.push(Note::Snapped { turned });
-    route.effort.times.symmetry += symmetry;
     Some(route)
 }
 

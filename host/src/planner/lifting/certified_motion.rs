@@ -12,7 +12,6 @@ use crate::planner::placement::knot_placer::{PlacementConstraints, SheetBounds};
 use crate::planner::placement::reduced_path::ReducedPath;
 use crate::planner::plan::Certificate;
 use crate::planner::problem::PlanningProblem;
-use crate::progress::Stage;
 use crate::symmetry::ReducedStars;
 use crate::util::nan_max::larger;
 
@@ -98,7 +97,6 @@ impl<'a> Lifting<'a> {
     /// Places knots on the path, certified between them for a fraction of the bound.
     pub(crate) fn place_knots(&self, bound_fraction: f64) -> Placement {
         let (problem, reduction) = (self.problem, self.reduction);
-        problem.watch.begin(Stage::Placing);
         let aim = problem.options.bound.min(CERTIFIED_DEFORMATION) * bound_fraction;
         let closure = reduction.tolerance(aim);
         let open = self.max_residual(&reduction.essential);

@@ -5,7 +5,7 @@ use foldpath_core::Interpolation;
 use crate::motion::Knot;
 use crate::planner::following::follow::Waypoint;
 use crate::planner::knots::KnotSequence;
-use crate::planner::plan::{Certificate, CrossingSearch, Outcome, SheetErrors, Times};
+use crate::planner::plan::{Certificate, CrossingSearch, Outcome, SheetErrors};
 use crate::planner::reason::{Note, Reason, TimeoutAt, Undecided};
 use crate::planner::vectors::max_difference;
 
@@ -25,7 +25,6 @@ pub(crate) struct Lifted {
     /// Largest difference of a fold angle at the end from the goal, radians, if the motion ends before its path does.
     pub(crate) goal_error: Option<f64>,
     pub(crate) crossings: CrossingSearch,
-    pub(crate) times: Times,
     pub(crate) notes: Vec<Note>,
     pub(crate) undecided: Vec<Undecided>,
     /// Reason why the motion ends before its path does, if it is not proved beyond.

@@ -16,7 +16,6 @@ use crate::planner::options::Skips;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{TimeoutAt, Undecided};
 use crate::progress::Stage;
-use crate::util::clock::Instant;
 
 /// Fraction of the certified deformation that is aimed for at first, as another method of certification may be less
 /// sharp.
@@ -98,14 +97,10 @@ impl<'a> Lifting<'a> {
             }
             return Swept::TooFar(None);
         }
-        self.problem.watch.begin(Stage::Crossings);
-        let start = Instant::now();
-        let lattice = self.lattice();
-        let found = start.elapsed();
-        let (swept, counts) = self.sweep_with(lifted, lattice);
+        let lattice = self.problem.stage(Stage::Symmetry, || self.lattice());
+        let (swept, counts) =
+            (self.problem).stage(Stage::Crossings, || self.sweep_with(lifted, lattice));
         lifted.crossings.counts = counts;
-        lifted.times.symmetry += found;
-        lifted.times.collision += start.elapsed() - found;
         swept
     }
 

@@ -14,7 +14,6 @@ use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
 use crate::progress::Stage;
-use crate::util::clock::Instant;
 use crate::util::nan_max::larger;
 
 /// Factor by which the fraction of the bound that is aimed for shrinks, if the motion crosses and its path may not.
@@ -62,7 +61,6 @@ impl Lifting<'_> {
             }
         };
         while let Some((mut lifted, crossing)) = farther.pop() {
-            let times = found.times;
             // A sheet that is torn by more than the tolerance crosses elsewhere than its path does; a nearer motion tells
             // where.
             let decides = match found.outcome {
@@ -71,7 +69,6 @@ impl Lifting<'_> {
                 _ => false,
             };
             if decides {
-                found.times += lifted.times;
                 found.goal_error = found.goal_error.or(lifted.goal_error);
                 found.stop_at(lifted.proof_stops);
                 continue;
@@ -83,7 +80,6 @@ impl Lifting<'_> {
                 None => self.sweep(&mut lifted, before),
             };
             (found, crossed) = self.ended(lifted, swept);
-            found.times += times;
         }
         (found, crossed)
     }
@@ -91,8 +87,7 @@ impl Lifting<'_> {
     /// Places the motion for a fraction of the bound, certifies it and measures it. The first one counts the closure
     /// residuals of a longer motion as well.
     fn lift_for(&self, bound_fraction: f64, is_first: bool) -> Lifted {
-        let start = Instant::now();
-        let placement = self.place_knots(bound_fraction);
+        let placement = (self.problem).stage(Stage::Placing, || self.place_knots(bound_fraction));
         let mut lifted = Lifted {
             reached: self.reached,
             waypoints: self.waypoints.len(),
@@ -103,7 +98,6 @@ impl Lifting<'_> {
             },
             ..Lifted::default()
         };
-        lifted.times.place = start.elapsed();
         if let Some(knots) = placement.knots {
             lifted.knots = knots;
             let min_closure = if is_first { self.min_closure } else { 0.0 };
@@ -125,9 +119,10 @@ impl Lifting<'_> {
             // The path ends where its proof ends, so that it is neither shortened nor brought nearer to the reduced path.
             lifted.recourse = Recourse::GoNearer(LEAST_BOUND_FRACTION);
         }
-        let start = Instant::now();
-        self.problem.watch.begin(Stage::Folding);
-        match self.measure(&mut lifted.knots.knots, min_closure) {
+        let measured = self.problem.stage(Stage::Folding, || {
+            self.measure(&mut lifted.knots.knots, min_closure)
+        });
+        match measured {
             Ok(errors) => {
                 lifted.errors = errors;
                 let (bound, knots) = (self.problem.options.bound, &lifted.knots);
@@ -145,7 +140,6 @@ impl Lifting<'_> {
             }
             Err(knot) => self.end_unjudged(lifted, TimeoutAt::JudgingKnot(knot)),
         }
-        lifted.times.fold = start.elapsed();
     }
 
     /// Ends a motion that closes at its knots, but is not proved to keep the bound, before the first segment that is not
@@ -281,7 +275,6 @@ impl Lifting<'_> {
         let end = waypoints.last().map_or(&[][..], |last| &last.angles);
         let error = || reduction.distance(end, problem.goal);
         lifted.goal_error.get_or_insert_with(error);
-        lifted.times += longer.times;
         lifted.notes.push(Note::EndsBeforeCrossing {
             residual: self.open_goal?,
             crossing: self.crosses(crossed, self.path.fraction(free)),

@@ -20,10 +20,10 @@ use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
-use crate::planner::problem::{ErrorModel, PlanningProblem};
+use crate::planner::problem::{ErrorModel, PlanningProblem, StageTimes};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
 use crate::planner::{Goal, GoalKind, PlanOptions, Search, Symmetry};
-use crate::progress::{Progress, Watch};
+use crate::progress::{Progress, Stage, Watch};
 use crate::straighten::straightened;
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
@@ -397,6 +397,7 @@ pub fn plan_watched(
     let contact = options
         .contact
         .unwrap_or_else(|| contact_tolerance(&pattern));
+    let stage_times = StageTimes::default();
     let asked = PlanningProblem {
         pattern: &Arc::new(pattern),
         goal,
@@ -407,6 +408,7 @@ pub fn plan_watched(
         is_trial: false,
         contact,
         watch: Watch::new(progress).until(deadline),
+        stage_times: &stage_times,
     };
     let mut attempts = Vec::new();
     let context = Context {
@@ -416,9 +418,13 @@ pub fn plan_watched(
         best: &Plan::default(),
         route: None,
     };
-    let none = Plan::default();
-    let mut best = try_rows(StartsFrom::Problem, &context, none, &mut attempts);
-    explain(&context, &mut best);
+    let mut best = asked.stage(Stage::Following, || {
+        let none = Plan::default();
+        let mut best = try_rows(StartsFrom::Problem, &context, none, &mut attempts);
+        explain(&context, &mut best);
+        best
+    });
+    best.effort.times = stage_times.times();
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {

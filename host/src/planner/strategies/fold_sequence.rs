@@ -19,6 +19,7 @@ use crate::planner::lifting::swept_motion::{FIRST_BOUND_FRACTION, LEAST_BOUND_FR
 use crate::planner::plan::{Effort, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Note;
+use crate::progress::Stage;
 use crate::symmetry::{CreaseGroups, ReducedStars};
 
 /// Largest number of creases of a sheet whose folds are put in sequence.
@@ -298,7 +299,10 @@ impl Orders<'_> {
             return free;
         }
         let angles = self.leg.angles(folded);
-        let free = self.free.len() < MAX_SETS && self.judge.is_free(&angles, self.problem.options);
+        let free = self.free.len() < MAX_SETS
+            && (self.problem).stage(Stage::Crossings, || {
+                self.judge.is_free(&angles, self.problem.options)
+            });
         self.free.insert(folded.clone(), free);
         free
     }

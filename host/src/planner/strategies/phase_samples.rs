@@ -11,6 +11,7 @@ use crate::pattern::{CreaseId, CreasePattern, FaceId, bodies};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::Reduction;
 use crate::planner::problem::PlanningProblem;
+use crate::progress::Stage;
 
 /// Fewest faces that are placed for samples of a sheet, and their number for each pair of its faces.
 const FEWEST_FACES: usize = 200_000;
@@ -101,12 +102,11 @@ impl<'a> PhaseSamples<'a> {
     }
 
     /// Returns the crossing that ends the free part of a phase, given the first sample that crosses.
-    fn bisected(
-        &mut self,
-        sets: &[FixedBitSet; 2],
-        mut found: SampledCrossing,
-    ) -> SampledCrossing {
-        let mut crossed = SAMPLES.into_iter().find(|&part| part > found.free).unwrap_or(1.0);
+    fn bisected(&mut self, sets: &[FixedBitSet; 2], mut found: SampledCrossing) -> SampledCrossing {
+        let mut crossed = SAMPLES
+            .into_iter()
+            .find(|&part| part > found.free)
+            .unwrap_or(1.0);
         for _ in 0..HALVINGS {
             let half = 0.5 * (found.free + crossed);
             match self.first(sets, &[half]) {
@@ -140,7 +140,10 @@ impl<'a> PhaseSamples<'a> {
                 at[crease] = self.leg.angle(crease, part);
             }
             self.left = self.left.saturating_sub(faces);
-            if let Some(Crossing { faces, .. }) = self.judge.crossing_of_bodies(&at, &bodies) {
+            let crossing = self.problem.stage(Stage::Crossings, || {
+                self.judge.crossing_of_bodies(&at, &bodies)
+            });
+            if let Some(Crossing { faces, .. }) = crossing {
                 return Some(SampledCrossing { free, faces });
             }
             free = part;

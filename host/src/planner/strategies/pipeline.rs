@@ -15,8 +15,8 @@ use crate::planner::plan::{Arrival, CrossingSearch, Outcome, Plan, ReducedProble
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{FirstSteps, HingeAtLimit, Note, Reason, Stop, TimeoutAt};
 use crate::planner::vectors::{largest, max_norm, way_to};
+use crate::progress::Stage;
 use crate::symmetry::closure_of;
-use crate::util::clock::Instant;
 
 /// Largest turn of a crease in the step that shows which vertex stands in the way, radians.
 const PROBE_RAD: f64 = 0.1;
@@ -39,13 +39,10 @@ pub(crate) fn follow(
     let mut is_obstructed = false;
     let lifted = match route.end {
         End::Reached if has_way => {
-            let start = Instant::now();
-            arrival.goal_closure = goal_closure(problem, route);
-            let time = start.elapsed();
+            arrival.goal_closure = problem.stage(Stage::Symmetry, || goal_closure(problem, route));
             let moved = moved_goal(problem, arrival);
             let mut lifted = lift_route(problem, route, arrival.goal_closure, bound_fraction);
             is_obstructed = matches!(lifted.outcome, Outcome::Crossing(_) | Outcome::Partial);
-            lifted.times.symmetry += time;
             lifted.notes.splice(0..0, moved);
             lifted
         }
@@ -74,8 +71,6 @@ fn plan_of(
     arrival.error = lifted.goal_error.unwrap_or(arrival.error);
     let notes = route.notes.iter().cloned();
     let notes = notes.chain(rough_groups(&route.reduction));
-    let mut effort = route.effort;
-    effort.times += lifted.times;
     let memberships = reduction.groups.memberships();
     Plan {
         outcome: lifted.outcome,
@@ -93,7 +88,7 @@ fn plan_of(
         errors: lifted.errors,
         certificate: lifted.certificate,
         arrival,
-        effort,
+        effort: route.effort,
         crossings: CrossingSearch {
             contact_tolerance: problem.contact,
             ..lifted.crossings

@@ -16,6 +16,7 @@ use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason};
 use crate::planner::vectors::{add_scaled, dot, max_norm};
+use crate::progress::Stage;
 use crate::symmetry::CreaseGroups;
 
 /// Part of the whole path by which the path has to become longer with each of these configurations.
@@ -135,7 +136,8 @@ impl WayRound<'_> {
             angles = reduction.groups.expand(&closed);
         }
         let mut judge = Judge::new(problem, reduction, options.collision);
-        judge.is_free(&angles, options).then_some(angles)
+        let is_free = problem.stage(Stage::Crossings, || judge.is_free(&angles, options));
+        is_free.then_some(angles)
     }
 
     /// Returns the pairs that are nearer than `clear` median edges. Returns `None` if faces intersect or time is up.
