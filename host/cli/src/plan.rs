@@ -224,7 +224,7 @@ fn path_in_words(plan: &Plan, json: &PlanJson<'_>) -> String {
             "  path         {} knots, {:.1} % of the way, {:.1e} degrees from the goal asked for\n  \
              rigidity     deformation {:.1e}, gap {:.1e}, closure {:.1e}\n",
             json.knots,
-            100.0 * json.reached,
+            plan.percent(),
             json.goal_error,
             json.max_deformation,
             json.max_gap,

@@ -2,6 +2,7 @@
 
 use core::fmt::{Display, Formatter, Result};
 
+use super::plan::percent;
 use super::reason::{
     FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
@@ -11,8 +12,6 @@ use crate::pattern::EdgeId;
 const MAX_NAMED_EDGES: usize = 12;
 /// Largest distance of a goal from where it was asked, radians, with which it counts as not moved.
 const UNMOVED_RAD: f64 = 1e-12;
-/// Largest percentage that is told of a path which ends before its goal.
-const MOST_OF_THE_GOAL: f64 = 99.9;
 
 impl Display for WorstClosure {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -208,7 +207,7 @@ impl Display for Reason {
 
 /// Says how far a path leads that ends before the goal.
 fn of_the_goal(reached: f64) -> String {
-    let percent = (100.0 * reached).min(MOST_OF_THE_GOAL);
+    let percent = percent(reached, false);
     format!("as far as {percent:.1} % of the goal's angles")
 }
 

@@ -294,6 +294,14 @@ impl Plan {
         self.certificate?.closure
     }
 
+    /// Returns the part of the way to the goal that the sheet can go as a percentage for people, rounded to below 100 if the
+    /// path ends before its goal.
+    #[must_use]
+    pub fn percent(&self) -> f64 {
+        let is_end = matches!(self.outcome, Outcome::Planned | Outcome::Undecided);
+        percent(self.reached, is_end)
+    }
+
     /// Returns the number of phases of the motion that are at their end; the last knot counts, too, if a phase ends there.
     pub(super) fn ended_phases(&self) -> usize {
         self.motion.as_ref().map_or(0, |motion| motion.phases.len())
@@ -305,6 +313,11 @@ impl Plan {
         let certified = self.certified_deformation();
         Some(certified.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY))
     }
+}
+
+/// Returns a fraction of the way to the goal as a percentage for people: below 100 for a path that ends before its goal.
+pub(super) fn percent(reached: f64, is_end: bool) -> f64 {
+    (100.0 * reached).min(if is_end { 100.0 } else { 99.9 })
 }
 
 impl AddAssign for Effort {

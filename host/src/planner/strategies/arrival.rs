@@ -4,7 +4,7 @@ use crate::planner::lifting::lifted::Lifted;
 use crate::planner::plan::Outcome;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
-use crate::planner::vectors::fraction;
+use crate::planner::vectors::{fraction, largest};
 use crate::planner::{Goal, GoalKind};
 use crate::symmetry::CreaseGroups;
 
@@ -45,7 +45,9 @@ pub(super) fn judge_arrival(
     } else {
         Outcome::Partial
     };
-    lifted.reached = fraction(&goal.fold_angles, &angles);
+    // Creases that turn too far make no fraction of 1.
+    let short = farthest.map_or(0.0, |(_, short)| short / largest(&goal.fold_angles));
+    lifted.reached = fraction(&goal.fold_angles, &angles).min((1.0 - short).max(0.0));
     lifted.reason = Some(Reason::NearGoal {
         goal: goal.source.clone(),
         farthest: farthest.map(|(crease, short)| (edge(crease), short)),
