@@ -1,22 +1,31 @@
-//! The order in which hinges fold, as a user writes it: `0-3 / 8-11 / 5=135,7 / 5`.
+//! The order in which hinges fold, as a user writes it: `0-3 / 8-11 / 5=135,lid / 5`.
 
 use core::fmt;
 use core::str::FromStr;
 
 use super::error::RequestError;
+use super::hints::nearest_name;
 use super::plan::crease;
-use crate::pattern::{CreasePattern, VertexId};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
 use crate::planner::Goal;
 
 /// Steps of hinges that fold one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order(Vec<Vec<Turn>>);
 
-/// Hinges that turn in a step: those of the edges from `first` to `last`, both included.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Edges as a user writes them.
+#[derive(Clone, Debug, PartialEq)]
+enum Edges {
+    /// The edges from `first` to `last`, both included.
+    Numbered { first: usize, last: usize },
+    /// The edges that have a name in the drawing.
+    Named(String),
+}
+
+/// Hinges that turn in a step.
+#[derive(Clone, Debug, PartialEq)]
 struct Turn {
-    first: usize,
-    last: usize,
+    edges: Edges,
     /// Fold angle at the end of the step, degrees; `None` for the goal angle.
     degrees: Option<f64>,
 }
@@ -36,7 +45,7 @@ impl FromStr for Order {
 
 fn turn(part: &str) -> Result<Turn, String> {
     let wrong = |expected: &str| format!("expected {expected}, found {part:?}");
-    let (edges, degrees) = match part.split_once('=') {
+    let (edges, degrees) = match part.rsplit_once('=') {
         Some((edges, degrees)) => {
             let degrees: Option<f64> = degrees.trim().parse().ok();
             let degrees = degrees.filter(|degrees| degrees.abs() <= 180.0);
@@ -47,26 +56,80 @@ fn turn(part: &str) -> Result<Turn, String> {
         }
         None => (part, None),
     };
-    let number = |text: &str| text.trim().parse::<usize>().ok();
-    let ends = match edges.split_once('-') {
-        Some((first, last)) => number(first).zip(number(last)),
-        None => number(edges).map(|edge| (edge, edge)),
-    };
-    let (first, last) = ends.filter(|(first, last)| first <= last).ok_or_else(|| {
-        wrong("an edge such as 5, edges such as 0-3, or edges with an angle such as 5=135")
+    let edges = edges_of(edges.trim()).ok_or_else(|| {
+        wrong("an edge such as 5, edges such as 0-3, a name of edges such as lid, or one of them with an angle such as 5=135")
     })?;
-    Ok(Turn {
-        first,
-        last,
-        degrees,
-    })
+    Ok(Turn { edges, degrees })
+}
+
+/// Parses edges. A text of digits and hyphens alone is no name.
+fn edges_of(text: &str) -> Option<Edges> {
+    let is_number = |letter: char| letter.is_ascii_digit() || letter == '-' || letter == ' ';
+    if !text.chars().all(is_number) {
+        return Some(Edges::Named(text.into()));
+    }
+    let number = |text: &str| text.trim().parse::<usize>().ok();
+    let (first, last) = match text.split_once('-') {
+        Some((first, last)) => number(first).zip(number(last))?,
+        None => number(text).map(|edge| (edge, edge))?,
+    };
+    (first <= last).then_some(Edges::Numbered { first, last })
+}
+
+impl Edges {
+    /// Returns their hinges.
+    ///
+    /// # Errors
+    /// If there are none.
+    fn hinges(&self, pattern: &CreasePattern) -> Result<Vec<CreaseId>, RequestError> {
+        let edges = pattern.edges();
+        match self {
+            &Self::Numbered { first, last } => {
+                let some = edges.iter().skip(first).take(last - first + 1);
+                let hinges: Vec<_> = some.filter_map(|edge| edge.crease).collect();
+                if hinges.is_empty() || last >= edges.len() {
+                    return Ok(vec![crease(pattern, "order", last)?]);
+                }
+                Ok(hinges)
+            }
+            Self::Named(name) => {
+                let found = pattern.names().get(name).into_iter().flatten();
+                let hinges: Vec<_> = found
+                    .filter_map(|&edge| pattern.edge(edge).crease)
+                    .collect();
+                if hinges.is_empty() {
+                    return Err(no_hinge(pattern, name));
+                }
+                Ok(hinges)
+            }
+        }
+    }
+}
+
+/// Returns the error of a name that stands for no hinge.
+fn no_hinge(pattern: &CreasePattern, name: &str) -> RequestError {
+    let is_hinge = |&edge: &EdgeId| pattern.edge(edge).crease.is_some();
+    let names = pattern.names();
+    let of_hinges = names.iter().filter(|(_, edges)| edges.iter().any(is_hinge));
+    let nearest = nearest_name(of_hinges.map(|(name, _)| &**name), name);
+    let found = match (names.get(name), &nearest) {
+        (Some(_), _) => "none of the edges of this name is one",
+        (None, Some(_)) => "the drawing has no such name",
+        (None, None) => "no hinge of the drawing has a name",
+    };
+    RequestError::Option {
+        option: "order".into(),
+        problem: format!("{name:?}: expected the name of a hinge between two faces, but {found}"),
+        hint: nearest.map(|nearest| format!("the nearest name of a hinge is {nearest:?}")),
+    }
 }
 
 impl fmt::Display for Turn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.first)?;
-        if self.last > self.first {
-            write!(f, "-{}", self.last)?;
+        match &self.edges {
+            Edges::Numbered { first, last } if last > first => write!(f, "{first}-{last}")?,
+            Edges::Numbered { first, .. } => write!(f, "{first}")?,
+            Edges::Named(name) => write!(f, "{name}")?,
         }
         self.degrees
             .map_or(Ok(()), |degrees| write!(f, "={degrees}"))
@@ -91,7 +154,7 @@ impl Order {
     /// others rest as far as closure lets them.
     ///
     /// # Errors
-    /// If an edge or a range of edges has no hinge, or a hinge has neither an angle nor a goal.
+    /// If an edge, a range of edges or a name has no hinge, or a hinge has neither an angle nor a goal.
     pub(super) fn stops(
         &self,
         pattern: &CreasePattern,
@@ -107,16 +170,7 @@ impl Order {
         let mut stops = Vec::new();
         for (number, step) in self.0.iter().enumerate() {
             for turn in step {
-                let hinges = pattern
-                    .edges()
-                    .iter()
-                    .skip(turn.first)
-                    .take(turn.last - turn.first + 1);
-                let mut hinges: Vec<_> = hinges.filter_map(|edge| edge.crease).collect();
-                if hinges.is_empty() || turn.last >= pattern.edges().len() {
-                    hinges = vec![crease(pattern, "order", turn.last)?];
-                }
-                for hinge in hinges {
+                for hinge in turn.edges.hinges(pattern)? {
                     let own = goal.fold_angles[hinge.index()];
                     let angle = turn.degrees.map(f64::to_radians).or(own);
                     angles[hinge.index()] = Some(angle.ok_or_else(|| {

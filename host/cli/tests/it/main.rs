@@ -19,6 +19,7 @@ mod help;
 mod hostile;
 mod jobs;
 mod keys;
+mod names;
 mod noes;
 mod odd_files;
 mod options;

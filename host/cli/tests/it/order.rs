@@ -126,7 +126,7 @@ fn the_step_that_fails_is_named() {
         );
     }
     for (order, words) in [
-        ("0 / x", "expected an edge such as 5"),
+        ("0 / x", "expected the name of a hinge between two faces, but no hinge of the drawing has a name"),
         ("0 / 3-1", "expected an edge such as 5"),
         ("0=999", "expected an angle from -180 to 180 degrees"),
         ("", "expected an edge such as 5"),
