@@ -22,7 +22,7 @@
 //! let mut request = PlanRequest::default();
 //! request.set("bound", &1e-3.into())?;
 //! request.set("symmetry", &"off".into())?;
-//! let no_file = |path: &Path, _: &_| Err(RequestError::Usage(format!("no file {}", path.display())));
+//! let no_file = |path: &Path, _: &_, _| Err(RequestError::Usage(format!("no file {}", path.display())));
 //! let task = request.task(name, &file, true, no_file)?;
 //! let planned = task.run(&file, Duration::ZERO, &Progress::new());
 //! let input = InputJson::of(name, Some(&bytes));

@@ -1,17 +1,27 @@
-//! The order in which hinges fold, as a user writes it: `0-3 / 8-11 / 5=135,lid / 5`.
+//! The order in which hinges fold: as a user writes it, `0-3 / 8-11 / 5=135,lid / 5`, or as the frames of a file.
 
 use core::fmt;
 use core::str::FromStr;
+use std::path::{Path, PathBuf};
 
 use super::error::RequestError;
 use super::hints::nearest_name;
-use super::plan::crease;
+use super::plan::{NamedGoals, crease};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
 use crate::planner::Goal;
 
 /// Steps of hinges that fold one after the other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Order(Vec<Vec<Turn>>);
+pub struct Order(Steps);
+
+/// Where the steps come from.
+#[derive(Clone, Debug, PartialEq)]
+enum Steps {
+    /// Steps that are written out.
+    Written(Vec<Vec<Turn>>),
+    /// A step for each frame of a FOLD file that has fold angles.
+    Keyframes(PathBuf),
+}
 
 /// Edges as a user writes them.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,11 +45,14 @@ impl FromStr for Order {
 
     /// Returns what was expected, and the part of the text that is wrong.
     fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim().to_ascii_lowercase().ends_with(".fold") {
+            return Ok(Self(Steps::Keyframes(text.trim().into())));
+        }
         let step = |step: &str| step.split(',').map(|part| turn(part.trim())).collect();
         text.split('/')
             .map(step)
             .collect::<Result<_, _>>()
-            .map(Self)
+            .map(|steps| Self(Steps::Written(steps)))
     }
 }
 
@@ -138,8 +151,13 @@ impl fmt::Display for Turn {
 
 impl fmt::Display for Order {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steps: Vec<String> = self.0.iter().map(|step| in_words(step)).collect();
-        write!(f, "{}", steps.join(" / "))
+        match &self.0 {
+            Steps::Written(steps) => {
+                let steps: Vec<String> = steps.iter().map(|step| in_words(step)).collect();
+                write!(f, "{}", steps.join(" / "))
+            }
+            Steps::Keyframes(file) => write!(f, "{}", file.display()),
+        }
     }
 }
 
@@ -150,49 +168,101 @@ fn in_words(step: &[Turn]) -> String {
 }
 
 impl Order {
-    /// Returns the configurations after the steps, before the goal: the hinges of steps so far have their angles, all
-    /// others rest as far as closure lets them.
+    /// Returns the file of keyframes, if the steps are those.
+    pub(super) fn file(&self) -> Option<&PathBuf> {
+        match &self.0 {
+            Steps::Written(_) => None,
+            Steps::Keyframes(file) => Some(file),
+        }
+    }
+
+    /// Returns the configurations after the steps, before the goal, and the description of the last step: the hinges of
+    /// steps so far have their angles, all others rest as far as closure lets them. `keyframes` reads the fold angles
+    /// (radians) of the creases in each frame of a file.
     ///
     /// # Errors
-    /// If an edge, a range of edges or a name has no hinge, or a hinge has neither an angle nor a goal.
-    pub(super) fn stops(
+    /// If edges, a range of edges or a name have no hinge, a hinge has neither an angle nor a goal, or a file cannot be read.
+    pub(super) fn stops<E: From<RequestError>>(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
-    ) -> Result<Vec<Goal>, RequestError> {
-        // Creases that meet inside the sheet, or go round a hole, move with each other.
-        let turns_alone = |ends: [VertexId; 2]| {
-            pattern.holes().is_empty() && !ends.into_iter().any(|end| pattern.is_real(end))
-        };
-        let creases = pattern.creases().iter();
-        let at_rest = creases.map(|&edge| turns_alone(pattern.edge(edge).ends).then_some(0.0));
-        let mut angles: Vec<Option<f64>> = at_rest.collect();
-        let mut stops = Vec::new();
-        for (number, step) in self.0.iter().enumerate() {
-            for turn in step {
-                for hinge in turn.edges.hinges(pattern)? {
-                    let own = goal.fold_angles[hinge.index()];
-                    let angle = turn.degrees.map(f64::to_radians).or(own);
-                    angles[hinge.index()] = Some(angle.ok_or_else(|| {
-                        let edge = pattern.creases()[hinge.index()];
-                        let problem = format!("edge {edge}: expected an angle, such as {edge}=90, as it has no goal angle");
-                        RequestError::option("order", problem)
-                    })?);
-                }
+        keyframes: impl Fn(&Path) -> Result<NamedGoals, E>,
+    ) -> Result<(Vec<Goal>, String), E> {
+        let steps = match &self.0 {
+            Steps::Written(steps) => {
+                let steps = steps.iter().map(|step| {
+                    let turns = turns(step, pattern, goal)?;
+                    Ok((turns, format!("edges {}", in_words(step))))
+                });
+                steps.collect::<Result<Vec<_>, RequestError>>()?
             }
-            stops.push(Goal::chosen(pattern, angles.clone(), self.step(number)));
-        }
-        // The last step is the goal itself if it leaves nothing for another.
-        stops.pop_if(|last| last.fold_angles == goal.fold_angles);
-        Ok(stops)
+            Steps::Keyframes(file) => {
+                let (name, frames) = keyframes(file)?;
+                let frames = (1..).zip(frames);
+                let steps = frames.map(|(number, angles)| {
+                    let hinges = (0..).map(CreaseId).zip(angles);
+                    let turns = hinges.filter_map(|(hinge, angle)| Some((hinge, angle?)));
+                    (turns.collect(), format!("keyframe {number} of {name}"))
+                });
+                steps.collect()
+            }
+        };
+        Ok(stops_after(steps, pattern, goal))
     }
+}
 
-    /// Describes the step with this number, from 0. After the last one follows that of the edges that are not named.
-    pub(super) fn step(&self, number: usize) -> String {
-        let step = self.0.get(number);
-        let edges = step.map_or("the edges that are not named".into(), |step| {
-            format!("edges {}", in_words(step))
-        });
-        format!("step {} of the order ({edges})", number + 1)
+/// Hinges that turn in a step, each to an angle in radians, and a description of the step.
+type Step = (Vec<(CreaseId, f64)>, String);
+
+/// Returns the hinges that turn in a step, each with its angle.
+fn turns(
+    step: &[Turn],
+    pattern: &CreasePattern,
+    goal: &Goal,
+) -> Result<Vec<(CreaseId, f64)>, RequestError> {
+    let mut turns = Vec::new();
+    for turn in step {
+        for hinge in turn.edges.hinges(pattern)? {
+            let own = goal.fold_angles[hinge.index()];
+            let angle = turn.degrees.map(f64::to_radians).or(own);
+            let angle = angle.ok_or_else(|| {
+                let edge = pattern.creases()[hinge.index()];
+                let problem = format!(
+                    "edge {edge}: expected an angle, such as {edge}=90, as it has no goal angle"
+                );
+                RequestError::option("order", problem)
+            })?;
+            turns.push((hinge, angle));
+        }
     }
+    Ok(turns)
+}
+
+/// Returns the configurations after the steps, before the goal, and the description of the last step.
+fn stops_after(steps: Vec<Step>, pattern: &CreasePattern, goal: &Goal) -> (Vec<Goal>, String) {
+    // Creases that meet inside the sheet, or go round a hole, move with each other.
+    let turns_alone = |ends: [VertexId; 2]| {
+        pattern.holes().is_empty() && !ends.into_iter().any(|end| pattern.is_real(end))
+    };
+    let creases = pattern.creases().iter();
+    let at_rest = creases.map(|&edge| turns_alone(pattern.edge(edge).ends).then_some(0.0));
+    let mut angles: Vec<Option<f64>> = at_rest.collect();
+    let described = |number: usize, what: &str| format!("step {number} of the order ({what})");
+    let mut last = described(steps.len() + 1, "the edges that are not named");
+    let mut stops = Vec::new();
+    for (number, (turns, what)) in (1..).zip(steps) {
+        for (hinge, angle) in turns {
+            angles[hinge.index()] = Some(angle);
+        }
+        stops.push(Goal::chosen(
+            pattern,
+            angles.clone(),
+            described(number, &what),
+        ));
+    }
+    // The last step is the goal itself if it leaves nothing for another.
+    if let Some(whole) = stops.pop_if(|stop| stop.fold_angles == goal.fold_angles) {
+        last = whole.source;
+    }
+    (stops, last)
 }

@@ -17,7 +17,11 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
     let name = std::env::var("READER").unwrap_or_default();
     match name.as_str() {
         "fold" => |bytes| drop(said(parse_pattern(Path::new("a.fold"), bytes))),
-        "goal" => |bytes| drop(said(fold::parse_goal(Path::new("a.fold"), bytes, &SHEET))),
+        "goal" => |bytes| {
+            for frames in [fold::GoalFrames::Last, fold::GoalFrames::Each] {
+                drop(said(fold::parse_goals(Path::new("a.fold"), bytes, &SHEET, frames)));
+            }
+        },
         "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
         "dxf" => |bytes| drop(said(parse_pattern(Path::new("a.dxf"), bytes))),
