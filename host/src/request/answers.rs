@@ -251,7 +251,7 @@ answers! {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub enum EdgesInfo {
-    /// How many there are.
+    /// The number of edges.
     Count(usize),
     /// Each of them.
     List(Vec<EdgeInfo>),

@@ -14,7 +14,7 @@ use crate::planner::Goal;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order(Steps);
 
-/// Where the steps come from.
+/// The steps, or the file that has them.
 #[derive(Clone, Debug, PartialEq)]
 enum Steps {
     /// Steps that are written out.

@@ -4,6 +4,7 @@ mod answers;
 mod as_drawn;
 mod bad_files;
 mod batch;
+mod cartons;
 mod cli;
 mod common;
 mod cuts_and_holes;
