@@ -323,8 +323,8 @@ fn mutated_seeds_are_read_or_refused() {
     for_mutated_seeds("path", parse_motion);
     let square = Path::new(SEEDS_OF_READERS).join("fold/square.fold");
     let sheet = read_pattern(&square).unwrap().pattern;
-    for frames in [GoalFrames::Last, GoalFrames::Each] {
-        for_mutated_seeds("goal", |path, bytes| {
+    for (folder, frames) in [("goal", GoalFrames::Last), ("keyframes", GoalFrames::Each)] {
+        for_mutated_seeds(folder, |path, bytes| {
             parse_goals(path, bytes, &sheet, frames)
         });
     }
