@@ -14,7 +14,7 @@ use foldpath::read::{
     FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape, read_file,
     read_stream,
 };
-use foldpath::request::generate;
+use foldpath::request::{NamedGoals, generate};
 use foldpath::stream::parse_script;
 use foldpath_firmware_sim::hinges::Trouble;
 use serde_json::{Map, Value};
@@ -201,7 +201,7 @@ impl Input {
         &self,
         pattern: &CreasePattern,
         frames: GoalFrames,
-    ) -> Result<(String, Vec<Vec<Option<f64>>>), CliError> {
+    ) -> Result<NamedGoals, CliError> {
         let goals = self.parsed(|name, bytes| parse_goals(name, bytes, pattern, frames))?;
         Ok((self.name.display().to_string(), goals))
     }

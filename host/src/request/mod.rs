@@ -48,6 +48,6 @@ pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;
 pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
 pub use order::Order;
-pub use plan::{PlanTask, Planned};
+pub use plan::{NamedGoals, PlanTask, Planned};
 pub use table::{Kind, OptionInfo, Request, paragraphs};
 pub use values::{EdgeAngles, Frames, Switch};

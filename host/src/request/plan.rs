@@ -23,7 +23,7 @@ use crate::util::clock::Instant;
 const MAX_CAUSES: usize = 5;
 
 /// The name of a file in messages, and angles (radians) of the creases of a pattern that were read from frames of it.
-pub(super) type NamedGoals = (String, Vec<Vec<Option<f64>>>);
+pub type NamedGoals = (String, Vec<Vec<Option<f64>>>);
 
 /// Goal and options of a plan for one pattern.
 pub struct PlanTask {
