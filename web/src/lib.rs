@@ -131,7 +131,7 @@ pub fn plan(
     let start = Instant::now();
     let request: PlanRequest = request(options)?;
     let file = read(name, bytes, &request.reading)?;
-    let no_file = |path: &Path, _: &_| {
+    let no_file = |path: &Path, _: &_, _| {
         let text = format!(
             "{}: expected a goal in the pattern's own file, as this program opens no other",
             path.display()

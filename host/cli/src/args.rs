@@ -140,12 +140,22 @@ pub(crate) enum At {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = examples(["info miura.fold", "info miura.fold --json --timeout 2"]))]
+#[command(after_help = examples([
+    "info miura.fold",
+    "info miura.fold --edges",
+    "info miura.fold --json --timeout 2",
+]))]
 pub(crate) struct Info {
     /// Crease pattern: a FOLD file, or a file that ends in .svg, .dxf, .cp, .opx or .obj
     ///
     /// In an SVG file the colours are those of Origami Simulator. In a DXF file layers have names such as CUT and VALLEY.
     pub(crate) pattern: PathBuf,
+    /// List the edges: number, letter, goal angle, ends and names
+    ///
+    /// Numbers are those of all options and answers. Names are the ids of SVG and the layers of DXF. In JSON, `edges` is
+    /// then the list instead of the number of edges.
+    #[arg(long)]
+    pub(crate) edges: bool,
     /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,

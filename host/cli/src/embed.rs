@@ -17,7 +17,7 @@ pub use crate::standard::Input as Source;
 use foldpath::export::fold::write_motion;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::fold::PatternFile;
+use foldpath::read::fold::{GoalFrames, PatternFile};
 use foldpath::request::{PlanRequest, PlanTask};
 
 /// Returns goal and options of a request; goals that it names are read from files. `name` is that of the pattern's file.
@@ -26,8 +26,9 @@ use foldpath::request::{PlanRequest, PlanTask};
 /// # Errors
 /// If an option is out of its range, or a goal cannot be read.
 pub fn task(request: &PlanRequest, name: &Path, file: &PatternFile) -> Result<PlanTask, CliError> {
-    let read_goal =
-        |path: &Path, pattern: &CreasePattern| Source::of_file(path).named_goal(pattern);
+    let read_goal = |path: &Path, pattern: &CreasePattern, frames: GoalFrames| {
+        Source::of_file(path).named_goals(pattern, frames)
+    };
     request.task(name, file, true, read_goal)
 }
 

@@ -9,7 +9,7 @@ use crate::{Answer, foldability, print, print_json, print_notes};
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{PatternInfo, Request, radians_hint, timeout};
+use foldpath::request::{EdgeInfo, EdgesInfo, PatternInfo, Request, radians_hint, timeout};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
@@ -19,7 +19,10 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let file = input.pattern(&input.bytes()?, &options)?;
     drop(input);
     let pattern = &file.pattern;
-    let info = PatternInfo::of(pattern, watch);
+    let mut info = PatternInfo::of(pattern, watch);
+    if args.edges {
+        info.edges = EdgesInfo::list(pattern);
+    }
     if args.report.json {
         print_json(&info)?;
         return Ok(true);
@@ -27,11 +30,34 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
-    let text = summary(&file, &info);
-    print(
-        &(text + &foldability::text(pattern, &info.crease_groups, &info.forecast, &args.pattern)),
-    )?;
+    let mut text = summary(&file, &info);
+    text += &foldability::text(pattern, &info.crease_groups, &info.forecast, &args.pattern);
+    if let EdgesInfo::List(edges) = &info.edges {
+        text += &listed(edges);
+    }
+    print(&text)?;
     Ok(true)
+}
+
+/// Returns a row for each edge.
+fn listed(edges: &[EdgeInfo]) -> String {
+    let mut text = "\nedges: letter, goal in degrees, ends, names\n".to_string();
+    for edge in edges {
+        let goal = edge
+            .goal
+            .map_or_else(|| "-".into(), |goal| format!("{goal:.6}"));
+        let [from, to] = edge.ends.map(|[x, y]| format!("({x}, {y})"));
+        let row = format!(
+            "  {:>5}  {}  {goal:>11}  {from} to {to}",
+            edge.edge, edge.letter
+        );
+        text += &row;
+        if !edge.names.is_empty() {
+            text += &format!("  {}", edge.names.join(", "));
+        }
+        text.push('\n');
+    }
+    text
 }
 
 fn summary(file: &PatternFile, info: &PatternInfo) -> String {
@@ -89,7 +115,7 @@ fn summary(file: &PatternFile, info: &PatternInfo) -> String {
         info.vertices,
         info.real_vertices,
         info.virtual_vertices,
-        info.edges,
+        file.pattern.edges().len(),
         info.creases,
         info.free_hinges,
         info.virtual_edges,

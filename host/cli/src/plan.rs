@@ -80,10 +80,7 @@ impl Job {
     pub(crate) fn check(&self) -> Result<(), CliError> {
         self.request.options()?;
         if let Some(output) = &self.output {
-            let inputs = [&self.pattern]
-                .into_iter()
-                .chain(&self.request.goal)
-                .chain(&self.request.via);
+            let inputs = [&self.pattern].into_iter().chain(self.request.goal_files());
             check_output("-o", output, inputs)?;
         }
         Ok(())
@@ -111,7 +108,7 @@ impl Job {
                 &source.name,
                 &file,
                 self.output.is_some(),
-                |path, pattern| Input::of(path)?.named_goal(pattern),
+                |path, pattern, frames| Input::of(path)?.named_goals(pattern, frames),
             )
             // A drawing whose creases were left out may have no goal.
             .inspect_err(|_| {

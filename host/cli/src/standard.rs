@@ -9,12 +9,12 @@ use crate::{CliError, print, say};
 use foldpath::export::fold::pattern_text;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
-use foldpath::read::fold::{PatternFile, parse_goal, parse_motion};
+use foldpath::read::fold::{GoalFrames, PatternFile, parse_goals, parse_motion};
 use foldpath::read::{
     FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape, read_file,
     read_stream,
 };
-use foldpath::request::generate;
+use foldpath::request::{NamedGoals, generate};
 use foldpath::stream::parse_script;
 use foldpath_firmware_sim::hinges::Trouble;
 use serde_json::{Map, Value};
@@ -195,13 +195,15 @@ impl Input {
         self.parsed(parse_motion)
     }
 
-    /// Reads the goal angles (radians) of the creases of a pattern, and returns them with the name of this input.
-    pub(crate) fn named_goal(
+    /// Reads the goal angles (radians) of the creases of a pattern in some frames, and returns them with the name of this
+    /// input.
+    pub(crate) fn named_goals(
         &self,
         pattern: &CreasePattern,
-    ) -> Result<(String, Vec<Option<f64>>), CliError> {
-        let goal = self.parsed(|name, bytes| parse_goal(name, bytes, pattern))?;
-        Ok((self.name.display().to_string(), goal))
+        frames: GoalFrames,
+    ) -> Result<NamedGoals, CliError> {
+        let goals = self.parsed(|name, bytes| parse_goals(name, bytes, pattern, frames))?;
+        Ok((self.name.display().to_string(), goals))
     }
 
     /// Reads a folded shape.

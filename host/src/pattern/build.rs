@@ -10,8 +10,8 @@ use super::split::{EdgeFaces, split};
 use super::trace::area;
 use super::triangulate::triangulate;
 use super::{
-    CreaseId, Drawing, DrawnEdge, EdgeId, FaceId, Letter, PatternError, VertexId, nesting,
-    planarity, trace,
+    CreaseId, Drawing, DrawnEdge, EdgeId, EdgeNames, FaceId, Letter, PatternError, VertexId,
+    nesting, planarity, trace,
 };
 use crate::util::csr::{Csr, group_by_key};
 use crate::util::nan_max::median;
@@ -89,6 +89,7 @@ impl CreasePattern {
             repairs: Vec::new(),
             lost: None,
             near: None,
+            names: EdgeNames::new(),
             y_down: false,
             straightens_within: None,
             unit: None,

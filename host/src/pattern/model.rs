@@ -6,7 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::precision::Precision;
 use super::{
-    CreaseId, EdgeId, FaceId, Letter, LostLines, NearLines, Passage, SpanningTree, Unit, VertexId,
+    CreaseId, EdgeId, EdgeNames, FaceId, Letter, LostLines, NearLines, Passage, SpanningTree, Unit,
+    VertexId,
 };
 use crate::util::csr::Csr;
 
@@ -67,6 +68,7 @@ pub struct CreasePattern {
     pub(super) repairs: Vec<String>,
     pub(super) lost: Option<LostLines>,
     pub(super) near: Option<NearLines>,
+    pub(super) names: EdgeNames,
     pub(super) y_down: bool,
     pub(super) straightens_within: Option<f64>,
     pub(super) unit: Option<Unit>,

@@ -33,6 +33,7 @@ impl CreasePattern {
         pattern.repairs.clone_from(&self.repairs);
         pattern.lost.clone_from(&self.lost);
         pattern.near = self.near;
+        pattern.names.clone_from(&self.names);
         pattern.slits.clone_from(&self.slits);
         pattern.drawn = self.drawn;
         pattern.y_down = self.y_down;
@@ -114,6 +115,12 @@ impl CreasePattern {
         let slits = self.slits.iter().map(|slit| slit.index());
         let slits = slits.filter(|slit| before.binary_search(slit).is_ok());
         pattern.slits = slits.map(|slit| EdgeId::new(now(slit))).collect();
+        for edges in pattern.names.values_mut() {
+            edges.retain(|edge| before.binary_search(&edge.index()).is_ok());
+            edges
+                .iter_mut()
+                .for_each(|edge| *edge = EdgeId::new(now(edge.index())));
+        }
         pattern.assume("edges are counted anew, as edges of no length were left out".into());
         Some(pattern)
     }

@@ -23,7 +23,7 @@ use self::reduced::{MAX_LISTED, Reduced, reduced, too_long};
 use super::curves::{Chords, Piece, STRAIGHT_CREASE};
 use super::error::Wrong;
 use super::format::BINARY_DXF;
-use super::segments::{LooseLines, MAX_LINES, Segment, pattern_file};
+use super::segments::{LineNames, LooseLines, MAX_LINES, Segment, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::pattern::Unit;
 use crate::progress::Watch;
@@ -303,6 +303,7 @@ impl<'a> Reader<'a> {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         let mut chords = Chords::of_pieces(pieces);
         let mut segments = Vec::new();
+        let mut names = LineNames::new();
         for stroke in &self.strokes {
             let of_dashes = options.dashes.filter(|_| stroke.dashed);
             let meaning = of_dashes.map_or_else(|| stroke.meaning.clone(), Meaning::Dashed);
@@ -335,6 +336,8 @@ impl<'a> Reader<'a> {
                 }));
             }
             if segments.len() > before {
+                let lines = segments[before..].iter().map(|segment| segment.ends);
+                names.entry(stroke.layer.clone()).or_default().extend(lines);
                 *counts.entry(meaning.key(&stroke.layer)).or_default() += segments.len() - before;
             }
         }
@@ -344,6 +347,7 @@ impl<'a> Reader<'a> {
             segments,
             unit,
             notes,
+            names,
             ..LooseLines::default()
         })
     }

@@ -6,6 +6,7 @@
 
 mod grid;
 mod missing_border;
+mod names;
 mod near_lines;
 mod open_ends;
 mod perforation;
@@ -17,9 +18,11 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
+pub(super) use self::names::LineNames;
+use self::names::edges_of_names;
 use self::near_lines::Misses;
-use self::planar::planar;
 pub(super) use self::planar::weight;
+use self::planar::{Looks, planar};
 use self::repairs::Repairs;
 use super::fold::PatternFile;
 use super::{FileError, ReadOptions, stem};
@@ -89,6 +92,8 @@ pub(super) struct LooseLines {
     pub(super) unit: Option<Unit>,
     /// Assumptions made while reading.
     pub(super) notes: Vec<String>,
+    /// Names of lines.
+    pub(super) names: LineNames,
 }
 
 /// A crease pattern made of loose lines.
@@ -114,6 +119,7 @@ pub(super) fn pattern_file(
         y_down,
         unit,
         notes,
+        names,
     } = lines;
     let written = written.unwrap_or_else(|| Written::as_drawn(&segments));
     let kept = (segments.len() <= MAX_SEARCHED_LINES).then(|| segments.clone());
@@ -148,6 +154,11 @@ pub(super) fn pattern_file(
     pattern.lengths_written_with(length);
     pattern.straighten_within(Some(repairs.usual_tolerance));
     pattern.measured_in(unit);
+    let mut looks = Looks::for_lines(pattern.edges().len(), watch);
+    match edges_of_names(&pattern, names, 2.0 * repairs.tolerance, &mut looks) {
+        Some(names) => pattern.name_edges(names),
+        None => pattern.assume("names of lines left out: too many lines near each other".into()),
+    }
     notes.into_iter().for_each(|note| pattern.assume(note));
     for repair in repairs.in_words(|at| reader.drawn(at)) {
         pattern.repaired(repair);

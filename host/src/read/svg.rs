@@ -30,7 +30,7 @@ use super::colour::Kind;
 use super::curves::{Chords, Curve, Piece, STRAIGHT_CREASE};
 use super::error::Wrong;
 use super::options::{ColourLetter, ColourLetters};
-use super::segments::{LooseLines, MAX_LINES, Segment, Written, pattern_file};
+use super::segments::{LineNames, LooseLines, MAX_LINES, Segment, Written, pattern_file};
 use super::{FileError, ReadOptions};
 use crate::colours::hex;
 use crate::pattern::Letter;
@@ -93,7 +93,7 @@ pub(super) fn parse_pattern(
     let colours = colours.into_iter();
     notes.extend(colours.filter_map(|((colour, _), (kind, count))| kind.note(colour, count)));
     // Opacity is the goal angle of a mountain or valley, unless all of them are opaque or all are transparent.
-    let is_folded = |stroke: &Stroke| stroke.kind.letter().sign().abs() > 0.0;
+    let is_folded = |stroke: &Stroke<'_>| stroke.kind.letter().sign().abs() > 0.0;
     let has_angles = strokes.iter().any(|s| is_folded(s) && s.opacity < 1.0)
         && strokes.iter().any(|s| is_folded(s) && s.opacity > 0.0);
     if has_angles {
@@ -101,7 +101,9 @@ pub(super) fn parse_pattern(
     }
     let mut chords = Chords::of_pieces(strokes.iter().flat_map(|stroke| &stroke.lines.pieces));
     let mut segments = Vec::new();
+    let mut names = LineNames::new();
     for stroke in &strokes {
+        let before = segments.len();
         let letter = stroke.kind.letter();
         let is_angle = has_angles && is_folded(stroke);
         let goal = is_angle.then(|| letter.sign() * stroke.opacity * PI);
@@ -112,6 +114,10 @@ pub(super) fn parse_pattern(
             };
             let lines = chords.lines_of(piece).ok_or_else(too_many)?.into_iter();
             segments.extend(lines.map(|ends| Segment { ends, letter, goal }));
+        }
+        for name in stroke.names.into_iter().filter(|name| !name.is_empty()) {
+            let lines = segments[before..].iter().map(|segment| segment.ends);
+            names.entry(name.into()).or_default().extend(lines);
         }
     }
     notes.extend(chords.note());
@@ -129,12 +135,13 @@ pub(super) fn parse_pattern(
         y_down: true,
         unit: viewport.unit,
         notes,
+        names,
     };
     pattern_file(path, lines, options, watch)
 }
 
 /// Notes the colours that were given letters although no line has them.
-fn colours_without_lines(strokes: &[Stroke], chosen: &ColourLetters) -> Vec<String> {
+fn colours_without_lines(strokes: &[Stroke<'_>], chosen: &ColourLetters) -> Vec<String> {
     let is_drawn = |chosen: &&ColourLetter| {
         strokes.iter().any(|stroke| match stroke.kind {
             Kind::Chosen(_) => stroke.colour == hex(chosen.colour),
@@ -151,9 +158,9 @@ fn colours_without_lines(strokes: &[Stroke], chosen: &ColourLetters) -> Vec<Stri
 }
 
 /// Notes dashed lines that are no creases by their colour and were given no letter, or that a letter of dashes has no use.
-fn dashes_noted(strokes: &[Stroke], chosen: Option<Letter>) -> Option<String> {
+fn dashes_noted(strokes: &[Stroke<'_>], chosen: Option<Letter>) -> Option<String> {
     let dashed = strokes.iter().filter(|stroke| stroke.dashed);
-    let count = |stroke: &Stroke| stroke.lines.pieces.len();
+    let count = |stroke: &Stroke<'_>| stroke.lines.pieces.len();
     match chosen {
         Some(letter) if dashed.clone().next().is_none() => Some(format!(
             "dashes were given the letter {}, but no line is dashed",
@@ -305,8 +312,10 @@ fn colours(strokes: &[&usvg::Stroke]) -> HashSet<[u8; 3]> {
 }
 
 /// The lines of one stroked path.
-struct Stroke {
+struct Stroke<'a> {
     kind: Kind,
+    /// The ids of the shape and of the innermost group that has one; empty if there is none.
+    names: [&'a str; 2],
     /// The colour as #rrggbb, or a description of another paint.
     colour: String,
     /// 0 to 1.
@@ -331,24 +340,27 @@ struct Lines {
 
 /// Returns all strokes in the order in which they are painted. `place` takes the coordinates of the root's children to those
 /// of the sheet, y pointing down.
-fn strokes(
-    root: &Group,
+fn strokes<'a>(
+    root: &'a Group,
     place: Affine,
     codes: &Codes,
     options: &ReadOptions,
-) -> Result<Vec<Stroke>, Wrong> {
+) -> Result<Vec<Stroke<'a>>, Wrong> {
     let mut strokes = Vec::new();
     let mut total = 0;
-    let mut open: Vec<(&Node, f64, Affine)> = Vec::new();
-    open.extend(root.children().iter().rev().map(|node| (node, 1.0, place)));
+    let mut open: Vec<(&'a Node, f64, Affine, &'a str)> = Vec::new();
+    let children = root.children().iter().rev();
+    open.extend(children.map(|node| (node, 1.0, place, "")));
     let mut number = 0_usize;
-    while let Some((node, opacity, place)) = open.pop() {
+    while let Some((node, opacity, place, outer)) = open.pop() {
         match node {
             Node::Group(group) => {
                 let opacity = opacity * decimal(group.opacity().get());
                 let place = place.after(group.transform());
                 let children = group.children().iter().rev();
-                open.extend(children.map(|node| (node, opacity, place)));
+                let within = Some(group.id()).filter(|id| !id.is_empty());
+                let within = within.unwrap_or(outer);
+                open.extend(children.map(|node| (node, opacity, place, within)));
             }
             Node::Path(path) if path.is_visible() => {
                 let Some(stroke) = path.stroke() else {
@@ -387,6 +399,7 @@ fn strokes(
                 }
                 strokes.push(Stroke {
                     kind,
+                    names: [path.id(), outer],
                     colour,
                     opacity: opacity * alpha * decimal(stroke.opacity().get()),
                     dashed,

@@ -14,7 +14,7 @@ use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
 use crate::folding::worst_amplification;
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, EdgeId, Letter, Precision, Unit};
+use crate::pattern::{CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
@@ -195,7 +195,7 @@ answers! {
         assumptions.extend(forecast.straightened.map(|how| format!("the forecast is that of the sheet {how}")));
     } {
         vertices: usize = pattern.vertices().len();
-        edges: usize = pattern.edges().len();
+        edges: EdgesInfo = EdgesInfo::Count(pattern.edges().len());
         faces: usize = pattern.faces().len();
         sheets: usize = pattern.sheets();
         creases: usize = pattern.creases().len();
@@ -225,6 +225,18 @@ answers! {
         forecast: Forecast = forecast;
     }
 
+    /// An edge of a pattern. `ends` are in the drawing's own coordinates, `goal` is in degrees.
+    EdgeInfo of (pattern: &CreasePattern, number: usize, names: &[&str]) {
+        let edge = &pattern.edges()[number];
+    } {
+        edge: usize = number;
+        vertices: [usize; 2] = edge.ends.map(VertexId::index);
+        ends: [[f64; 2]; 2] = edge.ends.map(|end| pattern.drawn_place(end));
+        letter: char = edge.letter.code();
+        goal: Option<f64> = edge.goal.map(f64::to_degrees);
+        names: Vec<String> = names.iter().map(ToString::to_string).collect();
+    }
+
     /// A cause why a pattern may not fold.
     CauseJson of (cause: &Cause) {} {
         kind: &'static str = cause.kind.name();
@@ -232,6 +244,29 @@ answers! {
         edges: Vec<usize> = edges(&cause.edges);
         at: [f64; 2] = cause.at;
         message: String = cause.to_string();
+    }
+}
+
+/// The edges of a pattern.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub enum EdgesInfo {
+    /// The number of edges.
+    Count(usize),
+    /// Each of them.
+    List(Vec<EdgeInfo>),
+}
+
+impl EdgesInfo {
+    /// Lists the edges in the order of their numbers.
+    #[must_use]
+    pub fn list(pattern: &CreasePattern) -> Self {
+        let names = pattern.names_of_edges().into_iter().enumerate();
+        Self::List(
+            names
+                .map(|(number, names)| EdgeInfo::of(pattern, number, &names))
+                .collect(),
+        )
     }
 }
 

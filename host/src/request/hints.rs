@@ -1,4 +1,4 @@
-//! Hints on common mistakes: angles in radians, edges that are no hinges.
+//! Hints on common mistakes: angles in radians, edges that are no hinges, names that are misspelt.
 
 use core::f64::consts::PI;
 
@@ -61,4 +61,28 @@ pub(super) fn nearest_hinge(pattern: &CreasePattern, edge: usize) -> Option<Stri
         Some(_) => format!("the nearest hinge is {edge}"),
         None => format!("{edge} is a hinge"),
     })
+}
+
+/// Returns the name that the fewest changes of letters, large or small, make of `wanted` (Levenshtein 1966), the first of
+/// several in alphabetical order.
+pub(super) fn nearest_name<'a>(
+    names: impl Iterator<Item = &'a str>,
+    wanted: &str,
+) -> Option<&'a str> {
+    let letters = |text: &str| -> Vec<char> { text.to_lowercase().chars().collect() };
+    let wanted = letters(wanted);
+    let distance = |name: &&str| {
+        let mut row: Vec<usize> = (0..=wanted.len()).collect();
+        for letter in letters(name) {
+            let mut diagonal = row[0];
+            row[0] += 1;
+            for (at, other) in wanted.iter().enumerate() {
+                let replaced = diagonal + usize::from(letter != *other);
+                diagonal = row[at + 1];
+                row[at + 1] = replaced.min(diagonal + 1).min(row[at] + 1);
+            }
+        }
+        row[wanted.len()]
+    };
+    names.min_by_key(distance)
 }

@@ -22,7 +22,7 @@
 //! let mut request = PlanRequest::default();
 //! request.set("bound", &1e-3.into())?;
 //! request.set("symmetry", &"off".into())?;
-//! let no_file = |path: &Path, _: &_| Err(RequestError::Usage(format!("no file {}", path.display())));
+//! let no_file = |path: &Path, _: &_, _| Err(RequestError::Usage(format!("no file {}", path.display())));
 //! let task = request.task(name, &file, true, no_file)?;
 //! let planned = task.run(&file, Duration::ZERO, &Progress::new());
 //! let input = InputJson::of(name, Some(&bytes));
@@ -42,12 +42,12 @@ mod plan;
 mod table;
 mod values;
 
-pub use answers::{CauseJson, CheckJson, InputJson, PatternInfo, PlanJson};
+pub use answers::{CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, PatternInfo, PlanJson};
 pub use error::RequestError;
 pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;
 pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
 pub use order::Order;
-pub use plan::{PlanTask, Planned};
+pub use plan::{NamedGoals, PlanTask, Planned};
 pub use table::{Kind, OptionInfo, Request, paragraphs};
 pub use values::{EdgeAngles, Frames, Switch};

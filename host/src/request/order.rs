@@ -1,22 +1,41 @@
-//! The order in which hinges fold, as a user writes it: `0-3 / 8-11 / 5=135,7 / 5`.
+//! The order in which hinges fold: as a user writes it, `0-3 / 8-11 / 5=135,lid / 5`, or as the frames of a file.
 
 use core::fmt;
 use core::str::FromStr;
+use std::path::{Path, PathBuf};
 
 use super::error::RequestError;
-use super::plan::crease;
-use crate::pattern::{CreasePattern, VertexId};
+use super::hints::nearest_name;
+use super::plan::{NamedGoals, crease};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
 use crate::planner::Goal;
 
 /// Steps of hinges that fold one after the other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Order(Vec<Vec<Turn>>);
+pub struct Order(Steps);
 
-/// Hinges that turn in a step: those of the edges from `first` to `last`, both included.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The steps, or the file that has them.
+#[derive(Clone, Debug, PartialEq)]
+enum Steps {
+    /// Steps that are written out.
+    Written(Vec<Vec<Turn>>),
+    /// A step for each frame of a FOLD file that has fold angles.
+    Keyframes(PathBuf),
+}
+
+/// Edges as a user writes them.
+#[derive(Clone, Debug, PartialEq)]
+enum Edges {
+    /// The edges from `first` to `last`, both included.
+    Numbered { first: usize, last: usize },
+    /// The edges that have a name in the drawing.
+    Named(String),
+}
+
+/// Hinges that turn in a step.
+#[derive(Clone, Debug, PartialEq)]
 struct Turn {
-    first: usize,
-    last: usize,
+    edges: Edges,
     /// Fold angle at the end of the step, degrees; `None` for the goal angle.
     degrees: Option<f64>,
 }
@@ -26,17 +45,20 @@ impl FromStr for Order {
 
     /// Returns what was expected, and the part of the text that is wrong.
     fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim().to_ascii_lowercase().ends_with(".fold") {
+            return Ok(Self(Steps::Keyframes(text.trim().into())));
+        }
         let step = |step: &str| step.split(',').map(|part| turn(part.trim())).collect();
         text.split('/')
             .map(step)
             .collect::<Result<_, _>>()
-            .map(Self)
+            .map(|steps| Self(Steps::Written(steps)))
     }
 }
 
 fn turn(part: &str) -> Result<Turn, String> {
     let wrong = |expected: &str| format!("expected {expected}, found {part:?}");
-    let (edges, degrees) = match part.split_once('=') {
+    let (edges, degrees) = match part.rsplit_once('=') {
         Some((edges, degrees)) => {
             let degrees: Option<f64> = degrees.trim().parse().ok();
             let degrees = degrees.filter(|degrees| degrees.abs() <= 180.0);
@@ -47,26 +69,80 @@ fn turn(part: &str) -> Result<Turn, String> {
         }
         None => (part, None),
     };
-    let number = |text: &str| text.trim().parse::<usize>().ok();
-    let ends = match edges.split_once('-') {
-        Some((first, last)) => number(first).zip(number(last)),
-        None => number(edges).map(|edge| (edge, edge)),
-    };
-    let (first, last) = ends.filter(|(first, last)| first <= last).ok_or_else(|| {
-        wrong("an edge such as 5, edges such as 0-3, or edges with an angle such as 5=135")
+    let edges = edges_of(edges.trim()).ok_or_else(|| {
+        wrong("an edge such as 5, edges such as 0-3, a name of edges such as lid, or one of them with an angle such as 5=135")
     })?;
-    Ok(Turn {
-        first,
-        last,
-        degrees,
-    })
+    Ok(Turn { edges, degrees })
+}
+
+/// Parses edges. A text of digits and hyphens alone is no name.
+fn edges_of(text: &str) -> Option<Edges> {
+    let is_number = |letter: char| letter.is_ascii_digit() || letter == '-' || letter == ' ';
+    if !text.chars().all(is_number) {
+        return Some(Edges::Named(text.into()));
+    }
+    let number = |text: &str| text.trim().parse::<usize>().ok();
+    let (first, last) = match text.split_once('-') {
+        Some((first, last)) => number(first).zip(number(last))?,
+        None => number(text).map(|edge| (edge, edge))?,
+    };
+    (first <= last).then_some(Edges::Numbered { first, last })
+}
+
+impl Edges {
+    /// Returns their hinges.
+    ///
+    /// # Errors
+    /// If there are none.
+    fn hinges(&self, pattern: &CreasePattern) -> Result<Vec<CreaseId>, RequestError> {
+        let edges = pattern.edges();
+        match self {
+            &Self::Numbered { first, last } => {
+                let some = edges.iter().skip(first).take(last - first + 1);
+                let hinges: Vec<_> = some.filter_map(|edge| edge.crease).collect();
+                if hinges.is_empty() || last >= edges.len() {
+                    return Ok(vec![crease(pattern, "order", last)?]);
+                }
+                Ok(hinges)
+            }
+            Self::Named(name) => {
+                let found = pattern.names().get(name).into_iter().flatten();
+                let hinges: Vec<_> = found
+                    .filter_map(|&edge| pattern.edge(edge).crease)
+                    .collect();
+                if hinges.is_empty() {
+                    return Err(no_hinge(pattern, name));
+                }
+                Ok(hinges)
+            }
+        }
+    }
+}
+
+/// Returns the error of a name that stands for no hinge.
+fn no_hinge(pattern: &CreasePattern, name: &str) -> RequestError {
+    let is_hinge = |&edge: &EdgeId| pattern.edge(edge).crease.is_some();
+    let names = pattern.names();
+    let of_hinges = names.iter().filter(|(_, edges)| edges.iter().any(is_hinge));
+    let nearest = nearest_name(of_hinges.map(|(name, _)| &**name), name);
+    let found = match (names.get(name), &nearest) {
+        (Some(_), _) => "none of the edges of this name is one",
+        (None, Some(_)) => "the drawing has no such name",
+        (None, None) => "no hinge of the drawing has a name",
+    };
+    RequestError::Option {
+        option: "order".into(),
+        problem: format!("{name:?}: expected the name of a hinge between two faces, but {found}"),
+        hint: nearest.map(|nearest| format!("the nearest name of a hinge is {nearest:?}")),
+    }
 }
 
 impl fmt::Display for Turn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.first)?;
-        if self.last > self.first {
-            write!(f, "-{}", self.last)?;
+        match &self.edges {
+            Edges::Numbered { first, last } if last > first => write!(f, "{first}-{last}")?,
+            Edges::Numbered { first, .. } => write!(f, "{first}")?,
+            Edges::Named(name) => write!(f, "{name}")?,
         }
         self.degrees
             .map_or(Ok(()), |degrees| write!(f, "={degrees}"))
@@ -75,8 +151,13 @@ impl fmt::Display for Turn {
 
 impl fmt::Display for Order {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steps: Vec<String> = self.0.iter().map(|step| in_words(step)).collect();
-        write!(f, "{}", steps.join(" / "))
+        match &self.0 {
+            Steps::Written(steps) => {
+                let steps: Vec<String> = steps.iter().map(|step| in_words(step)).collect();
+                write!(f, "{}", steps.join(" / "))
+            }
+            Steps::Keyframes(file) => write!(f, "{}", file.display()),
+        }
     }
 }
 
@@ -87,58 +168,101 @@ fn in_words(step: &[Turn]) -> String {
 }
 
 impl Order {
-    /// Returns the configurations after the steps, before the goal: the hinges of steps so far have their angles, all
-    /// others rest as far as closure lets them.
+    /// Returns the file of keyframes, if the steps are those.
+    pub(super) fn file(&self) -> Option<&PathBuf> {
+        match &self.0 {
+            Steps::Written(_) => None,
+            Steps::Keyframes(file) => Some(file),
+        }
+    }
+
+    /// Returns the configurations after the steps, before the goal, and the description of the last step: the hinges of
+    /// steps so far have their angles, all others rest as far as closure lets them. `keyframes` reads the fold angles
+    /// (radians) of the creases in each frame of a file.
     ///
     /// # Errors
-    /// If an edge or a range of edges has no hinge, or a hinge has neither an angle nor a goal.
-    pub(super) fn stops(
+    /// If edges, a range of edges or a name have no hinge, a hinge has neither an angle nor a goal, or a file cannot be read.
+    pub(super) fn stops<E: From<RequestError>>(
         &self,
         pattern: &CreasePattern,
         goal: &Goal,
-    ) -> Result<Vec<Goal>, RequestError> {
-        // Creases that meet inside the sheet, or go round a hole, move with each other.
-        let turns_alone = |ends: [VertexId; 2]| {
-            pattern.holes().is_empty() && !ends.into_iter().any(|end| pattern.is_real(end))
-        };
-        let creases = pattern.creases().iter();
-        let at_rest = creases.map(|&edge| turns_alone(pattern.edge(edge).ends).then_some(0.0));
-        let mut angles: Vec<Option<f64>> = at_rest.collect();
-        let mut stops = Vec::new();
-        for (number, step) in self.0.iter().enumerate() {
-            for turn in step {
-                let hinges = pattern
-                    .edges()
-                    .iter()
-                    .skip(turn.first)
-                    .take(turn.last - turn.first + 1);
-                let mut hinges: Vec<_> = hinges.filter_map(|edge| edge.crease).collect();
-                if hinges.is_empty() || turn.last >= pattern.edges().len() {
-                    hinges = vec![crease(pattern, "order", turn.last)?];
-                }
-                for hinge in hinges {
-                    let own = goal.fold_angles[hinge.index()];
-                    let angle = turn.degrees.map(f64::to_radians).or(own);
-                    angles[hinge.index()] = Some(angle.ok_or_else(|| {
-                        let edge = pattern.creases()[hinge.index()];
-                        let problem = format!("edge {edge}: expected an angle, such as {edge}=90, as it has no goal angle");
-                        RequestError::option("order", problem)
-                    })?);
-                }
+        keyframes: impl Fn(&Path) -> Result<NamedGoals, E>,
+    ) -> Result<(Vec<Goal>, String), E> {
+        let steps = match &self.0 {
+            Steps::Written(steps) => {
+                let steps = steps.iter().map(|step| {
+                    let turns = turns(step, pattern, goal)?;
+                    Ok((turns, format!("edges {}", in_words(step))))
+                });
+                steps.collect::<Result<Vec<_>, RequestError>>()?
             }
-            stops.push(Goal::chosen(pattern, angles.clone(), self.step(number)));
-        }
-        // The last step is the goal itself if it leaves nothing for another.
-        stops.pop_if(|last| last.fold_angles == goal.fold_angles);
-        Ok(stops)
+            Steps::Keyframes(file) => {
+                let (name, frames) = keyframes(file)?;
+                let frames = (1..).zip(frames);
+                let steps = frames.map(|(number, angles)| {
+                    let hinges = (0..).map(CreaseId).zip(angles);
+                    let turns = hinges.filter_map(|(hinge, angle)| Some((hinge, angle?)));
+                    (turns.collect(), format!("keyframe {number} of {name}"))
+                });
+                steps.collect()
+            }
+        };
+        Ok(stops_after(steps, pattern, goal))
     }
+}
 
-    /// Describes the step with this number, from 0. After the last one follows that of the edges that are not named.
-    pub(super) fn step(&self, number: usize) -> String {
-        let step = self.0.get(number);
-        let edges = step.map_or("the edges that are not named".into(), |step| {
-            format!("edges {}", in_words(step))
-        });
-        format!("step {} of the order ({edges})", number + 1)
+/// Hinges that turn in a step, each to an angle in radians, and a description of the step.
+type Step = (Vec<(CreaseId, f64)>, String);
+
+/// Returns the hinges that turn in a step, each with its angle.
+fn turns(
+    step: &[Turn],
+    pattern: &CreasePattern,
+    goal: &Goal,
+) -> Result<Vec<(CreaseId, f64)>, RequestError> {
+    let mut turns = Vec::new();
+    for turn in step {
+        for hinge in turn.edges.hinges(pattern)? {
+            let own = goal.fold_angles[hinge.index()];
+            let angle = turn.degrees.map(f64::to_radians).or(own);
+            let angle = angle.ok_or_else(|| {
+                let edge = pattern.creases()[hinge.index()];
+                let problem = format!(
+                    "edge {edge}: expected an angle, such as {edge}=90, as it has no goal angle"
+                );
+                RequestError::option("order", problem)
+            })?;
+            turns.push((hinge, angle));
+        }
     }
+    Ok(turns)
+}
+
+/// Returns the configurations after the steps, before the goal, and the description of the last step.
+fn stops_after(steps: Vec<Step>, pattern: &CreasePattern, goal: &Goal) -> (Vec<Goal>, String) {
+    // Creases that meet inside the sheet, or go round a hole, move with each other.
+    let turns_alone = |ends: [VertexId; 2]| {
+        pattern.holes().is_empty() && !ends.into_iter().any(|end| pattern.is_real(end))
+    };
+    let creases = pattern.creases().iter();
+    let at_rest = creases.map(|&edge| turns_alone(pattern.edge(edge).ends).then_some(0.0));
+    let mut angles: Vec<Option<f64>> = at_rest.collect();
+    let described = |number: usize, what: &str| format!("step {number} of the order ({what})");
+    let mut last = described(steps.len() + 1, "the edges that are not named");
+    let mut stops = Vec::new();
+    for (number, (turns, what)) in (1..).zip(steps) {
+        for (hinge, angle) in turns {
+            angles[hinge.index()] = Some(angle);
+        }
+        stops.push(Goal::chosen(
+            pattern,
+            angles.clone(),
+            described(number, &what),
+        ));
+    }
+    // The last step is the goal itself if it leaves nothing for another.
+    if let Some(whole) = stops.pop_if(|stop| stop.fold_angles == goal.fold_angles) {
+        last = whole.source;
+    }
+    (stops, last)
 }

@@ -1,7 +1,7 @@
 //! A request for a pattern that was read: goal and limits that it names, and what became of it.
 
 use core::time::Duration;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::RequestError;
 use super::hints::nearest_hinge;
@@ -15,15 +15,15 @@ use crate::planner::{
     plan_watched,
 };
 use crate::progress::{Progress, Watch};
-use crate::read::fold::PatternFile;
+use crate::read::fold::{GoalFrames, PatternFile};
 use crate::symmetry::CreaseGroups;
 use crate::util::clock::Instant;
 
 /// Largest number of causes that a plan's notes name; [`PatternInfo`](super::PatternInfo) names them all.
 const MAX_CAUSES: usize = 5;
 
-/// Angles (radians) of the creases of a pattern, read from a file, and the name of the file in messages.
-type NamedGoal = (String, Vec<Option<f64>>);
+/// The name of a file in messages, and angles (radians) of the creases of a pattern that were read from frames of it.
+pub type NamedGoals = (String, Vec<Vec<Option<f64>>>);
 
 /// Goal and options of a plan for one pattern.
 pub struct PlanTask {
@@ -35,14 +35,14 @@ pub struct PlanTask {
     held_flat: Vec<String>,
     /// `true` if the goal is the pattern's own, or that of its letters.
     is_own_goal: bool,
-    /// Order of the hinges.
-    order: Option<Order>,
+    /// Description of the last step, if the hinges fold in steps.
+    last_step: Option<String>,
 }
 
 impl PlanRequest {
     /// Returns goal and options for the pattern of the file `name`. The knots keep the positions of the vertices if
     /// `stores_vertices` is `true` and [`frames`](Self::frames) asks for them. `read_goal` reads the fold angles (radians) of
-    /// a file that the request names, and says how messages name that file.
+    /// those frames of a file that are asked for, and says how messages name that file.
     ///
     /// # Errors
     /// If an option is out of its range, the pattern has no such goal, or a goal cannot be read.
@@ -51,29 +51,36 @@ impl PlanRequest {
         name: &Path,
         file: &PatternFile,
         stores_vertices: bool,
-        read_goal: impl Fn(&Path, &CreasePattern) -> Result<NamedGoal, E>,
+        read_goal: impl Fn(&Path, &CreasePattern, GoalFrames) -> Result<NamedGoals, E>,
     ) -> Result<PlanTask, E> {
         let mut options = self.options()?;
-        let goal = self.goal_of(name, &file.pattern, read_goal)?;
+        let (goal, last_step) = self.goal_of(name, &file.pattern, read_goal)?;
         options.keep_vertices = stores_vertices && self.frames == Frames::Full;
         options.limits = self.limits_of(&file.pattern)?;
         options.validate().map_err(RequestError::from)?;
         Ok(PlanTask {
             held_flat: self.held_flat(&file.pattern, &goal),
             is_own_goal: self.goal.is_none() && self.crease.is_empty(),
-            order: self.order.clone(),
+            last_step,
             goal,
             options,
         })
     }
 
-    /// Returns the goal. `name` is the name of the pattern's file, and `read_goal` reads a file that the request names.
+    /// Returns the files with goals that the request names.
+    pub fn goal_files(&self) -> impl Iterator<Item = &PathBuf> {
+        let of_order = self.order.iter().filter_map(Order::file);
+        self.goal.iter().chain(&self.via).chain(of_order)
+    }
+
+    /// Returns the goal, and the description of the last step if hinges fold in steps. `name` is the name of the pattern's
+    /// file, and `read_goal` reads a file that the request names.
     fn goal_of<E: From<RequestError>>(
         &self,
         name: &Path,
         pattern: &CreasePattern,
-        read_goal: impl Fn(&Path, &CreasePattern) -> Result<NamedGoal, E>,
-    ) -> Result<Goal, E> {
+        read_goal: impl Fn(&Path, &CreasePattern, GoalFrames) -> Result<NamedGoals, E>,
+    ) -> Result<(Goal, Option<String>), E> {
         let bad = |source: GoalError| match source {
             GoalError::Crease { .. } | GoalError::CreaseTwice { .. } => {
                 RequestError::option("crease", source.to_string())
@@ -86,7 +93,10 @@ impl PlanRequest {
             },
         };
         let chosen = |path: &Path| -> Result<Goal, E> {
-            let (name, angles) = read_goal(path, pattern)?;
+            let (name, mut goals) = read_goal(path, pattern, GoalFrames::Last)?;
+            let angles = goals
+                .pop()
+                .unwrap_or_else(|| vec![None; pattern.creases().len()]);
             let source = format!("the goal angles of {name}");
             Ok(Goal::chosen(pattern, angles, source))
         };
@@ -120,10 +130,13 @@ impl PlanRequest {
         };
         let via = self.via.iter().map(|path| chosen(path));
         goal.via = via.collect::<Result<_, _>>()?;
+        let mut last_step = None;
         if let Some(order) = &self.order {
-            goal.via = order.stops(pattern, &goal)?;
+            let keyframes = |path: &Path| read_goal(path, pattern, GoalFrames::Each);
+            let (stops, last) = order.stops(pattern, &goal, keyframes)?;
+            (goal.via, last_step) = (stops, Some(last));
         }
-        Ok(goal)
+        Ok((goal, last_step))
     }
 
     /// Returns the limits of the hinges.
@@ -206,11 +219,10 @@ impl PlanTask {
         }
         let mut remarks = self.held_flat;
         let is_yes = matches!(plan.outcome, Outcome::Planned | Outcome::Undecided);
-        if let (Some(order), Some(motion), false) = (&self.order, &plan.motion, is_yes) {
-            remarks.push(format!(
-                "the path ends in {}",
-                order.step(motion.phases.len())
-            ));
+        if let (Some(last), Some(motion), false) = (&self.last_step, &plan.motion, is_yes) {
+            let step = self.goal.via.get(motion.phases.len());
+            let step = step.map_or(last, |stop| &stop.source);
+            remarks.push(format!("the path ends in {step}"));
         }
         if self.is_own_goal {
             let (start, watch) = (Instant::now(), Watch::new(progress).until(deadline));

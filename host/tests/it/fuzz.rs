@@ -12,7 +12,7 @@ use foldpath::export::fold::pattern_text;
 use foldpath::generate::Miura;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
-use foldpath::read::fold::{parse_goal, parse_motion, read_motion};
+use foldpath::read::fold::{GoalFrames, parse_goals, parse_motion, read_motion};
 use foldpath::read::read_pattern;
 use foldpath::read::{FileError, parse_pattern, parse_shape};
 use foldpath::unfold::{UnfoldOptions, unfold};
@@ -323,5 +323,9 @@ fn mutated_seeds_are_read_or_refused() {
     for_mutated_seeds("path", parse_motion);
     let square = Path::new(SEEDS_OF_READERS).join("fold/square.fold");
     let sheet = read_pattern(&square).unwrap().pattern;
-    for_mutated_seeds("goal", |path, bytes| parse_goal(path, bytes, &sheet));
+    for (folder, frames) in [("goal", GoalFrames::Last), ("keyframes", GoalFrames::Each)] {
+        for_mutated_seeds(folder, |path, bytes| {
+            parse_goals(path, bytes, &sheet, frames)
+        });
+    }
 }

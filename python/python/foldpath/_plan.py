@@ -126,10 +126,12 @@ def plan(
       Edges are counted from 0
     - ``via``: FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable. The
       path passes through several such files in the order given
-    - ``order``: Steps of edges that fold one after the other, such as "0-3 / 8-11 / 5=135,7 / 5". In its step each
-      edge goes to its goal angle, or to the angle given, in degrees; an edge may stand in several steps. Edges that
-      are not named fold in a last step. Borders in a range are skipped. The path rests between the steps. Hinges of
-      other steps move only as closure requires
+    - ``order``: Steps of edges that fold one after the other, such as "0-3 / 8-11 / 5=135,lid / 5", or a FOLD file of
+      such steps. In its step each edge goes to its goal angle, or to the angle given, in degrees; an edge may stand
+      in several steps. A name, as the id of a shape or group in SVG or a layer in DXF, stands for all edges that have
+      it; `info --edges` lists numbers and names. Edges that stand nowhere fold in a last step. Borders are skipped.
+      The path rests between the steps. Hinges of other steps move only as closure requires. In a FOLD file of the
+      same sheet, whose name ends in .fold, each frame beside the key frame that has fold angles is a step
     - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
     - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
       from 0

@@ -17,7 +17,8 @@ static READER: LazyLock<Reader> = LazyLock::new(|| {
     let name = std::env::var("READER").unwrap_or_default();
     match name.as_str() {
         "fold" => |bytes| drop(said(parse_pattern(Path::new("a.fold"), bytes))),
-        "goal" => |bytes| drop(said(fold::parse_goal(Path::new("a.fold"), bytes, &SHEET))),
+        "goal" => |bytes| goals_of(bytes, fold::GoalFrames::Last),
+        "keyframes" => |bytes| goals_of(bytes, fold::GoalFrames::Each),
         "path" => |bytes| drop(said(fold::parse_motion(Path::new("a.fold"), bytes))),
         "svg" => |bytes| drop(said(parse_pattern(Path::new("a.svg"), bytes))),
         "dxf" => |bytes| drop(said(parse_pattern(Path::new("a.dxf"), bytes))),
@@ -54,3 +55,13 @@ fn unfolded(name: &str, bytes: &[u8]) {
 }
 
 fuzz_target!(|bytes: &[u8]| READER(bytes));
+
+/// Reads goals of a sheet from some frames.
+fn goals_of(bytes: &[u8], frames: fold::GoalFrames) {
+    said(fold::parse_goals(
+        Path::new("a.fold"),
+        bytes,
+        &SHEET,
+        frames,
+    ));
+}

@@ -233,8 +233,8 @@ impl Design {
             _ => return Err(usage("expected either pattern or generate".into())),
         };
         let request = self.request(timeout)?;
-        let files = [Some(&input.name), request.goal.as_ref(), self.path.as_ref()];
-        for file in files.into_iter().flatten().chain(&request.via) {
+        let files = [Some(&input.name), self.path.as_ref()];
+        for file in files.into_iter().flatten().chain(request.goal_files()) {
             if is_standard(file) {
                 return Err(usage(
                     "expected a file, found -: batch has no standard streams for its designs"

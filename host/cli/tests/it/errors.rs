@@ -58,6 +58,8 @@ fn usage() {
         plan miura.fold --crease 99=90
         plan miura.fold --crease 4=-190
         plan miura.fold --crease 4=-90 --crease 4=-80
+        plan miura.fold --order 4=90,3-1
+        plan miura.fold --order lid
         plan miura.fold --jobs 0
         check path.fold --jobs some
         plan miura.fold --limit 4=-20

@@ -126,7 +126,10 @@ fn the_step_that_fails_is_named() {
         );
     }
     for (order, words) in [
-        ("0 / x", "expected an edge such as 5"),
+        (
+            "0 / x",
+            "expected the name of a hinge between two faces, but no hinge of the drawing has a name",
+        ),
         ("0 / 3-1", "expected an edge such as 5"),
         ("0=999", "expected an angle from -180 to 180 degrees"),
         ("", "expected an edge such as 5"),
@@ -153,4 +156,95 @@ fn the_step_that_fails_is_named() {
         .with_status(2)
         .stderr;
     assert!(!said.is_empty());
+}
+
+/// Returns the strip with a frame for each list of angles of its hinges, degrees; `null` where the frame says nothing.
+fn with_frames(strip: &str, frames: &[[Value; 2]]) -> String {
+    let mut file: Value = serde_json::from_str(strip).unwrap();
+    let others = file["edges_vertices"].as_array().unwrap().len() - 2;
+    let frames = frames.iter().map(|angles| {
+        let angles = angles.iter().cloned();
+        let angles: Vec<Value> = angles.chain((0..others).map(|_| json!(0))).collect();
+        json!({
+            "frame_classes": ["foldedForm"], "frame_parent": 0, "frame_inherit": true,
+            "edges_foldAngle": angles,
+        })
+    });
+    file["file_frames"] = frames.collect();
+    file.to_string()
+}
+
+/// Frames are steps as those that are written out: the same path comes of both.
+#[test]
+fn frames_of_a_file_are_steps() {
+    let folder = folder();
+    let text = strip(&[2.0, 1.0, 1.5], &[60.0, 70.0]);
+    let frames = [
+        [json!(0), json!(0)],
+        [json!(null), json!(100)],
+        [json!(60), json!(100)],
+        [json!(60), json!(70)],
+    ];
+    folder.write("a.fold", &text);
+    folder.write("steps.fold", &with_frames(&text, &frames));
+    let mut paths = Vec::new();
+    // The frame of the flat sheet is a step in which nothing turns.
+    for (pattern, order) in [
+        ("a.fold", "steps.fold"),
+        ("steps.fold", "steps.fold"),
+        ("a.fold", "0=0,1=0 / 1=100 / 0 / 1"),
+    ] {
+        let mut command = folder.command(&format!("plan {pattern} -o path.fold --json --order"));
+        let answer = command.arg(order).output().unwrap();
+        let plan: Value = serde_json::from_slice(&answer.stdout).unwrap();
+        assert_eq!(plan["outcome"], "planned", "{order}: {plan}");
+        assert_eq!(plan["options"]["order"], order);
+        paths.push(folder.read_json("path.fold")["file_frames"].take());
+    }
+    assert_eq!(paths[0], paths[2]);
+    assert_eq!(paths[1], paths[2]);
+}
+
+#[test]
+fn a_frame_that_fails_is_named() {
+    let folder = folder();
+    let text = strip(&[1.5, 1.0, 1.0], &[90.0, 90.0]);
+    folder.write("a.fold", &text);
+    folder.write(
+        "steps.fold",
+        &with_frames(&text, &[[json!(0), json!(90)], [json!(170), json!(90)]]),
+    );
+    let answer = folder
+        .run("plan a.fold --json --order steps.fold")
+        .with_status(1);
+    let plan = answer.json();
+    assert_eq!(plan["outcome"], "crossing", "{plan}");
+    let notes = plan["notes"].to_string();
+    assert!(
+        notes.contains("the path ends in step 2 of the order (keyframe 2 of steps.fold)"),
+        "{notes}"
+    );
+    let few = with_frames(&text, &[[json!(0), json!(90)]]).replace(",0,0]", "]");
+    for (file, words) in [
+        (
+            text.as_str(),
+            "file_frames: expected frames with edges_foldAngle, found none",
+        ),
+        (
+            &few,
+            "file_frames[0].edges_foldAngle: expected 10 entries, one for each edge, found 8",
+        ),
+    ] {
+        folder.write("steps.fold", file);
+        let said = folder
+            .run("plan a.fold --order steps.fold")
+            .with_status(2)
+            .stderr;
+        assert!(said.contains(words), "{said}");
+    }
+    let said = folder
+        .run("plan a.fold --order none.fold")
+        .with_status(2)
+        .stderr;
+    assert!(said.contains("none.fold"), "{said}");
 }

@@ -175,6 +175,7 @@ fn every_answer_fits_its_schema() {
     let crosses = format!("plan {crossing}");
     for (file, arguments, status) in [
         ("info.json", "info miura.fold", 0),
+        ("info.json", "info miura.fold --edges", 0),
         ("info.json", &twist, 0),
         ("plan.json", "plan miura.fold", 0),
         ("plan.json", all_options, 0),

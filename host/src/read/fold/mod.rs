@@ -14,7 +14,7 @@ mod shape;
 
 pub use motion::{parse_motion, read_motion};
 pub(super) use pattern::parse_within;
-pub use pattern::{PatternFile, parse_goal};
+pub use pattern::{GoalFrames, PatternFile, parse_goals};
 pub(super) use plane::{FLAT_PATTERN, NOT_FLAT, lay};
 pub use shape::parse_shape;
 

@@ -169,19 +169,38 @@ fn repaired(
     Ok(PatternFile { title, ..file })
 }
 
-/// Parses the goal fold angles (radians) of another file of the same sheet, one for each crease of `pattern`; `None` where the
-/// file names no angle. If the file names no angles at all, they are measured on its folded frame. `path` names the file in
-/// errors.
+/// Frames of a file whose fold angles are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GoalFrames {
+    /// The frame that has the goal. If the file names no angles at all, they are measured on its folded frame.
+    Last,
+    /// Each frame beside the key frame that has fold angles, in their order.
+    Each,
+}
+
+/// Parses the goal fold angles (radians) of another file of the same sheet. Returns for each frame that is asked for one angle
+/// for each crease of `pattern`; `None` where the file names no angle. `path` names the file in errors.
 ///
 /// # Errors
 /// If the bytes hold neither angles nor the folded sheet, or not one angle for each edge of the pattern.
-pub fn parse_goal(
+pub fn parse_goals(
     path: &Path,
     bytes: &[u8],
     pattern: &CreasePattern,
-) -> Result<Vec<Option<f64>>, FileError> {
+    which: GoalFrames,
+) -> Result<Vec<Vec<Option<f64>>>, FileError> {
     let document = &Document::parse(path, bytes)?;
     let frames = document.frames()?;
+    if which == GoalFrames::Each {
+        let found = (1..=frames.len()).filter_map(|number| goals(&frames.own(number)).transpose());
+        let angles = found.map(|goals| angles_of_creases(&goals?, document, pattern));
+        let angles: Vec<_> = angles.collect::<Result<_, FileError>>()?;
+        if angles.is_empty() {
+            let expected = "frames with edges_foldAngle";
+            return Err(document.expected("file_frames".into(), expected, "none"));
+        }
+        return Ok(angles);
+    }
     let goals = match goal_angles(&frames, &document.key_frame(), None)? {
         None => measured(&frames, None, pattern)?,
         goals => goals,
@@ -190,6 +209,18 @@ pub fn parse_goal(
         let place = "edges_foldAngle".into();
         return Err(document.expected(place, "goal angles other than 0", "none"));
     };
+    Ok(vec![angles_of_creases(&goals, document, pattern)?])
+}
+
+/// Returns the angle of each crease of a pattern.
+///
+/// # Errors
+/// If there is not one angle for each edge, or an angle is beyond its range.
+fn angles_of_creases(
+    goals: &Goals,
+    document: &Document,
+    pattern: &CreasePattern,
+) -> Result<Vec<Option<f64>>, FileError> {
     // A file of the drawing lacks the second sides of cuts; a file written by this program has them.
     if goals.angles.len() != pattern.edges().len() {
         goals.check_count(document, pattern.drawn_edges())?;
