@@ -206,10 +206,11 @@ impl Tube {
             .collect();
         self.die.line(layer, from, to);
         self.die.cut(&outline);
-        for [a, b] in [[start, from], [to, stop]] {
-            if a != b {
-                self.die.line(CUT, a, b);
-            }
+        if crease[0] > 0.0 {
+            self.die.line(CUT, start, from);
+        }
+        if crease[1] < width {
+            self.die.line(CUT, to, stop);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Edges have the names that a drawing gives to their lines: ids in SVG, layers in DXF.
 
+use core::fmt::Write as _;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use serde_json::Value;
 
