@@ -4,7 +4,7 @@ use crate::planner::lifting::lifted::Lifted;
 use crate::planner::plan::Outcome;
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::Reason;
-use crate::planner::vectors::{fraction, largest};
+use crate::planner::vectors::fraction;
 use crate::planner::{Goal, GoalKind};
 use crate::symmetry::CreaseGroups;
 
@@ -45,15 +45,27 @@ pub(super) fn judge_arrival(
     } else {
         Outcome::Partial
     };
-    // Creases that turn too far make no fraction of 1.
-    let short = farthest.map_or(0.0, |(_, short)| short / largest(&goal.fold_angles));
-    lifted.reached = fraction(&goal.fold_angles, &angles).min((1.0 - short).max(0.0));
+    lifted.reached = if goal.is_direction() {
+        fraction(&goal.fold_angles, &angles)
+    } else {
+        fraction(&goal.fold_angles, &mirrored(goal, angles))
+    };
     lifted.reason = Some(Reason::NearGoal {
         goal: goal.source.clone(),
         farthest: farthest.map(|(crease, short)| (edge(crease), short)),
         flat: flat.into_iter().map(edge).collect(),
     });
     count
+}
+
+/// Returns fold angles in which creases that have turned too far lack as much of their goal instead.
+fn mirrored(goal: &Goal, angles: Vec<f64>) -> Vec<f64> {
+    let asked = goal.fold_angles.iter().zip(angles);
+    let mirrored = asked.map(|(asked, angle)| match *asked {
+        Some(asked) if angle * asked.signum() > asked.abs() => 2.0 * asked - angle,
+        _ => angle,
+    });
+    mirrored.collect()
 }
 
 /// Returns `true` if at least half of the lettered creases are turned by a tenth of their goal. A crease that has no goal but
