@@ -2,7 +2,6 @@
 
 use core::fmt::{Display, Formatter, Result};
 
-use super::plan::percent;
 use super::reason::{
     FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
 };
@@ -203,6 +202,11 @@ impl Display for Reason {
             Self::NoWayRound => f.write_str("no way round the crossing was found"),
         }
     }
+}
+
+/// Returns a fraction of the way to the goal as a percentage for people: below 100 for a path that ends before its goal.
+pub(super) fn percent(reached: f64, is_end: bool) -> f64 {
+    (100.0 * reached).min(if is_end { 100.0 } else { 99.9 })
 }
 
 /// Says how far a path leads that ends before the goal.

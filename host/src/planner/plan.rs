@@ -3,6 +3,7 @@
 use core::ops::AddAssign;
 use core::time::Duration;
 
+use super::messages::percent;
 use super::reason::{Note, Reason, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
@@ -313,11 +314,6 @@ impl Plan {
         let certified = self.certified_deformation();
         Some(certified.filter(|c| !c.is_nan()).unwrap_or(f64::INFINITY))
     }
-}
-
-/// Returns a fraction of the way to the goal as a percentage for people: below 100 for a path that ends before its goal.
-pub(super) fn percent(reached: f64, is_end: bool) -> f64 {
-    (100.0 * reached).min(if is_end { 100.0 } else { 99.9 })
 }
 
 impl AddAssign for Effort {

@@ -8,10 +8,10 @@ use std::sync::Arc;
 use foldpath::check::{CheckOptions, check};
 use foldpath::export::fold::motion_text;
 use foldpath::motion::{Claims, Motion};
-use foldpath::pattern::{CreaseId, CreasePattern, Drawing};
+use foldpath::pattern::{CreaseId, CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, HingeLimit, Note, Outcome, Plan, PlanOptions, Strategy, plan};
 use foldpath_tests::{Random, meshes, path_file};
-use nalgebra::Rotation2;
+use nalgebra::{Rotation2, Vector2};
 use rayon::prelude::*;
 
 /// Time that a plan may take.
@@ -94,6 +94,34 @@ fn driven_stars_are_planned_as_their_whole_goals_are() {
         .collect();
     assert!(known.len() > 180, "{}", known.len());
     assert!(share("stars", &known) >= 0.98);
+}
+
+/// Six creases of a vertex, mountains and valleys in turn: each of them driven alone, there are closed configurations in which
+/// the others turn by their letters, and ones that leave some of them all but flat.
+#[test]
+fn creases_that_follow_turn_by_their_letters() {
+    let rim = (0..6).map(|k| Rotation2::new(f64::from(k) * TAU / 6.0) * Vector2::x());
+    let edge = |ends, letter| DrawnEdge {
+        ends,
+        letter,
+        goal: None,
+    };
+    let borders = (0..6).map(|k| edge([k, (k + 1) % 6], Letter::Boundary));
+    let letters = [Letter::Mountain, Letter::Valley].into_iter().cycle();
+    let creases = (0..6).zip(letters).map(|(k, letter)| edge([6, k], letter));
+    let drawing = Drawing {
+        vertices: rim.chain([Vector2::zeros()]).collect(),
+        edges: borders.chain(creases).collect(),
+        faces: None,
+    };
+    let pattern = CreasePattern::new(drawing).unwrap();
+    for degrees in [-20.0_f64, -60.0, -100.0, 60.0, 100.0] {
+        let crease = CreaseId::new(usize::from(degrees > 0.0));
+        let goal = Goal::of_creases(&pattern, &[(crease, degrees.to_radians())]).unwrap();
+        let plan = plan(&pattern, &goal, &options());
+        assert_eq!(plan.outcome, Outcome::Planned, "{degrees}: {plan:?}");
+        assert_eq!(plan.arrival.flat_creases, 0, "{degrees}: {plan:?}");
+    }
 }
 
 /// A line that turns alone is driven alone at once, as with a goal in which all other creases rest.

@@ -78,9 +78,10 @@ impl RouteFinder<'_> {
         self.work += solver.work;
         let collision = self.problem.options.collision;
         let mut judge = Judge::new(&self.problem, self.reduction, collision);
+        let least_turn = self.problem.goal.least_turn();
         let unturned = |angles: &[f64]| {
             let turns = angles.iter().zip(&self.signs);
-            let flat = |(angle, sign): &(&f64, &f64)| *sign * *angle < OTHER_GOAL_RAD;
+            let flat = |(angle, sign): &(&f64, &f64)| *sign * *angle < least_turn;
             let lettered = turns.filter(|(_, sign)| sign.abs() > 0.0);
             lettered.filter(flat).count()
         };
