@@ -214,6 +214,20 @@ impl Goal {
             FLAT_AT_END_RAD
         }
     }
+
+    /// Returns which of some creases or crease groups, lettered by these signs and at these angles (radians), count as flat
+    /// at the end of a path: those that have not turned their way.
+    pub(crate) fn flat<'g>(
+        &self,
+        signs: &'g [f64],
+        angles: &'g [f64],
+    ) -> impl Iterator<Item = usize> + use<'g> {
+        let least = self.least_turn();
+        let turned = signs.iter().zip(angles).enumerate();
+        let flat =
+            turned.filter(move |(_, (sign, angle))| sign.abs() > 0.0 && *sign * *angle < least);
+        flat.map(|(crease, _)| crease)
+    }
 }
 
 /// Returns for each crease the sign of its assignment.

@@ -78,13 +78,8 @@ impl RouteFinder<'_> {
         self.work += solver.work;
         let collision = self.problem.options.collision;
         let mut judge = Judge::new(&self.problem, self.reduction, collision);
-        let least_turn = self.problem.goal.least_turn();
-        let unturned = |angles: &[f64]| {
-            let turns = angles.iter().zip(&self.signs);
-            let flat = |(angle, sign): &(&f64, &f64)| *sign * *angle < least_turn;
-            let lettered = turns.filter(|(_, sign)| sign.abs() > 0.0);
-            lettered.filter(flat).count()
-        };
+        let goal = self.problem.goal;
+        let unturned = |angles: &[f64]| goal.flat(&self.signs, angles).count();
         found.sort_by(|a, b| norm(a).total_cmp(&norm(b)));
         found.sort_by_cached_key(|angles| (judge.crossing_at(angles).is_some(), unturned(angles)));
         found.truncate(MAX_COMPLETIONS);

@@ -314,8 +314,7 @@ impl<'a> Reduction<'a> {
     /// Returns `true` if a lettered crease is flat in a closed configuration.
     fn is_flat_somewhere(&self, closed: &ClosedGoal, goal: &Goal) -> bool {
         let (_, signs) = self.asked(goal);
-        let mut turns = closed.angles.iter().zip(&signs);
-        turns.any(|(angle, sign)| sign.abs() > 0.0 && angle * sign < goal.least_turn())
+        goal.flat(&signs, &closed.angles).next().is_some()
     }
 
     /// Moves letters that are a direction to an exactly closed configuration near it in which each lettered crease is

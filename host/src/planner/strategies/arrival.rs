@@ -23,7 +23,7 @@ pub(super) fn judge_arrival(
     let angles = end.map(|end| groups.expand(&end.angles));
     // Without a path, the sheet is flat.
     let angles = angles.unwrap_or_else(|| vec![0.0; goal.fold_angles.len()]);
-    let flat = flat_creases(goal, &angles);
+    let flat: Vec<usize> = goal.flat(&goal.signs, &angles).collect();
     let count = flat.len();
     if lifted.outcome != Outcome::Planned {
         return count;
@@ -80,14 +80,6 @@ fn is_near(goal: &Goal, angles: &[f64]) -> bool {
     let turned: Vec<bool> = asked.collect();
     let count = turned.iter().filter(|turned| **turned).count();
     2 * count >= turned.len()
-}
-
-/// Returns the creases lettered M or V that have not turned their way.
-fn flat_creases(goal: &Goal, angles: &[f64]) -> Vec<usize> {
-    let least = goal.least_turn();
-    let turned = goal.signs.iter().zip(angles).enumerate();
-    let flat = turned.filter(|(_, (sign, angle))| sign.abs() > 0.0 && *sign * *angle < least);
-    flat.map(|(crease, _)| crease).collect()
 }
 
 /// Returns the crease whose angle is farthest from the one asked for, and the distance, radians.
