@@ -108,6 +108,27 @@ impl CreaseGroups {
         self.groups == self.memberships.len()
     }
 
+    /// Returns these groups, each parted into the creases that turn with it and those that turn against it: the groups that
+    /// are left without symmetries that exchange mountain and valley.
+    #[must_use]
+    pub(crate) fn parted_by_sign(&self) -> Self {
+        let mut number_of = vec![[None; 2]; self.groups];
+        let mut groups = 0;
+        let mut part = |membership: &Membership| {
+            let group = &mut number_of[membership.group.index()][usize::from(membership.negative)];
+            let group = *group.get_or_insert_with(|| {
+                groups += 1;
+                GroupId(groups - 1)
+            });
+            Membership {
+                group,
+                negative: membership.negative,
+            }
+        };
+        let memberships = self.memberships.iter().map(&mut part).collect();
+        Self::of_memberships(memberships, self.tolerance)
+    }
+
     pub(super) fn from_sets(
         pattern: &CreasePattern,
         mut sets: SignedUnionFind,

@@ -97,7 +97,8 @@ fn driven_stars_are_planned_as_their_whole_goals_are() {
 }
 
 /// Six creases of a vertex, mountains and valleys in turn: each of them driven alone, there are closed configurations in which
-/// the others turn by their letters, and ones that leave some of them all but flat.
+/// the others turn by their letters, and ones that leave some of them all but flat. The sheet's symmetry is kept: creases of
+/// one letter turn alike.
 #[test]
 fn creases_that_follow_turn_by_their_letters() {
     let rim = (0..6).map(|k| Rotation2::new(f64::from(k) * TAU / 6.0) * Vector2::x());
@@ -121,6 +122,19 @@ fn creases_that_follow_turn_by_their_letters() {
         let plan = plan(&pattern, &goal, &options());
         assert_eq!(plan.outcome, Outcome::Planned, "{degrees}: {plan:?}");
         assert_eq!(plan.arrival.flat_creases, 0, "{degrees}: {plan:?}");
+        let motion = plan.motion.unwrap();
+        let end = motion.crease_angles(motion.knots.len() - 1);
+        let alike = end.iter().skip(crease.index() % 2).step_by(2);
+        let off = |angle: &f64, degrees: f64| (angle - degrees.to_radians()).abs();
+        for angle in alike {
+            assert!(off(angle, degrees) <= 1e-9, "{degrees}: {end:?}");
+        }
+        // Three creases at 60 degrees close the three flaps between them: the closed form of a vertex of six equal sectors.
+        if degrees.abs() == 60.0 {
+            let flap = end[1 - crease.index() % 2];
+            let closed = -180.0 * degrees.signum();
+            assert!(off(&flap, closed) <= 1e-5, "{degrees}: {end:?}");
+        }
     }
 }
 

@@ -14,7 +14,8 @@ use super::legs::RouteFinder;
 use super::reduction::{CLOSED, ClosedGoal, SAME_RAD};
 use crate::planner::goal::GoalKind;
 use crate::planner::reason::{Note, Stop};
-use crate::planner::vectors::{max_difference, norm};
+use crate::planner::vectors::max_difference;
+use crate::util::union_find::UnionFind;
 
 /// Angles at which free creases start, in the directions of their letters, radians.
 const STARTS_RAD: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
@@ -57,7 +58,7 @@ impl RouteFinder<'_> {
 
     /// Returns closed configurations in which the driven creases have their angles, and no crease turns against its
     /// letter. Those free of crossings come first, among these those that leave the fewest lettered creases flat, and
-    /// then those that turn the least.
+    /// then those of which the lettered crease that turns the least turns the most: letters ask each crease to turn.
     fn completions(&mut self) -> Vec<ClosedGoal> {
         let mut solver = self.solver(0.0);
         for (limit, asked) in solver.limits.iter_mut().zip(&self.asked) {
@@ -66,7 +67,8 @@ impl RouteFinder<'_> {
             }
         }
         let mut found: Vec<Vec<f64>> = Vec::new();
-        for mut angles in self.starts() {
+        let joined = self.joined_to_driven();
+        for mut angles in self.starts(&joined) {
             let closes = solver.closes(&mut angles)
                 && self.reduction.closure(&angles) <= CLOSED
                 && self.reduction.distance(&angles, self.problem.goal) <= SAME_RAD;
@@ -80,7 +82,11 @@ impl RouteFinder<'_> {
         let mut judge = Judge::new(&self.problem, self.reduction, collision);
         let goal = self.problem.goal;
         let unturned = |angles: &[f64]| goal.flat(&self.signs, angles).count();
-        found.sort_by(|a, b| norm(a).total_cmp(&norm(b)));
+        let least = |angles: &[f64]| {
+            let lettered = (0..angles.len()).filter(|&k| joined[k] && self.signs[k].abs() > 0.0);
+            lettered.fold(f64::INFINITY, |least, k| least.min(angles[k].abs()))
+        };
+        found.sort_by(|a, b| least(b).total_cmp(&least(a)));
         found.sort_by_cached_key(|angles| (judge.crossing_at(angles).is_some(), unturned(angles)));
         found.truncate(MAX_COMPLETIONS);
         let goal = |angles: Vec<f64>| ClosedGoal {
@@ -91,11 +97,31 @@ impl RouteFinder<'_> {
         found.into_iter().map(goal).collect()
     }
 
-    /// Returns configurations from which to close: the driven creases at their angles, the others turned in the directions
-    /// of their letters by equal angles, or at random.
-    fn starts(&mut self) -> Vec<Vec<f64>> {
+    /// Returns for each crease group `true` if it is driven, or a chain of closure conditions joins it to one that is. The
+    /// others stay at rest.
+    fn joined_to_driven(&self) -> Vec<bool> {
+        let mut sets = UnionFind::new(self.asked.len());
+        let stars = self.reduction.essential.view().iter();
+        let stars = stars.map(|star| star.spokes);
+        let loops = self.reduction.essential.loops();
+        let conditions = stars.chain(loops.iter().map(|hole| hole.spokes));
+        for spokes in conditions {
+            for pair in spokes.windows(2) {
+                sets.join([pair[0].group.index(), pair[1].group.index()]);
+            }
+        }
+        let driven = (0..self.asked.len()).filter(|&group| self.asked[group].is_some());
+        let driven: Vec<usize> = driven.map(|group| sets.find(group)).collect();
+        let of_group = (0..self.asked.len()).map(|group| driven.contains(&sets.find(group)));
+        of_group.collect()
+    }
+
+    /// Returns configurations from which to close: the driven creases at their angles, those that are `joined` to them
+    /// turned in the directions of their letters by equal angles, or at random.
+    fn starts(&mut self, joined: &[bool]) -> Vec<Vec<f64>> {
         let start = |free: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let asked = self.asked.iter().enumerate();
+            let free = |k: usize| if joined[k] { free(k) } else { 0.0 };
             asked
                 .map(|(k, asked)| asked.unwrap_or_else(|| free(k)))
                 .collect()

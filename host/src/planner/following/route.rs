@@ -278,8 +278,9 @@ impl<'a> RouteFinder<'a> {
         // The last goal is not a configuration: go as near to it as the motion leads.
         let followed = match waypoints.last().cloned() {
             None => {
-                let way = self.up_to_limits().or_else(|| self.guided());
+                let way = self.up_to_limits().or_else(|| self.guided(true));
                 let way = way.or_else(|| self.complete(None));
+                let way = way.or_else(|| self.guided(false));
                 way.unwrap_or_else(|| self.forwards(None))
             }
             Some(last) => self.complete(Some(&last.angles)).unwrap_or_else(|| {
@@ -330,9 +331,13 @@ impl<'a> RouteFinder<'a> {
         })
     }
 
-    /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path.
-    fn guided(&mut self) -> Option<Followed> {
+    /// Follows the path to the guide's goal as far as the angle asked for, if that angle lies on the path. The guide is the
+    /// configuration that the pattern names or, if `is_named` is `false`, its letters.
+    fn guided(&mut self, is_named: bool) -> Option<Followed> {
         let guide = self.problem.goal.guide.as_deref()?;
+        if is_named != (guide.kind == GoalKind::Configuration) {
+            return None;
+        }
         let problem = PlanningProblem {
             goal: guide,
             ..self.problem

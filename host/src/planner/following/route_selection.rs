@@ -139,8 +139,12 @@ fn proposals(problem: &PlanningProblem<'_>) -> Vec<(CreaseGroups, bool)> {
         let groups = CreaseGroups::find_until(pattern, problem.watch);
         let fine = groups.is_rough().then(|| CreaseGroups::find_exact(pattern));
         found.extend(fine.clone().map(|fine| (fine, true)));
+        // A symmetry that exchanges mountain and valley may hold for the drawing and not for its motion.
+        let parted = groups.parted_by_sign();
+        let is_finer = parted.len() > groups.len();
         found.push((groups, false));
         found.extend(fine.map(|fine| (fine, false)));
+        found.extend(is_finer.then_some((parted, false)));
     }
     found.retain(|(groups, _)| !groups.is_trivial());
     found
