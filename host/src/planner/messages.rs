@@ -3,7 +3,8 @@
 use core::fmt::{Display, Formatter, Result};
 
 use super::reason::{
-    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,
+    WorstClosure,
 };
 use crate::pattern::EdgeId;
 
@@ -218,8 +219,13 @@ fn of_the_goal(reached: f64) -> String {
 impl Display for FirstSteps {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let (locked, free) = match self {
-            Self::NoneProved => {
-                return f.write_str("no motion leaves the flat sheet with these signs (proved)");
+            Self::NoneProved(order) => {
+                let order = match order {
+                    ProofOrder::First => "first",
+                    ProofOrder::Second => "second",
+                };
+                let says = "no motion leaves the flat sheet with these signs";
+                return write!(f, "{says} (proved to {order} order)");
             }
             Self::NotKnown => {
                 return f

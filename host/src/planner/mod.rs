@@ -49,7 +49,7 @@
 //! < closing (sparse < chord < solver)
 //! < following (follow < reduction, search < nearly_closed, branch, judge < mobility, legs < completion < route <
 //! route_selection)
-//! < foldability (flat_cone < certificate < cause < locked_loop < forecast)
+//! < foldability (flat_cone < products < locked_loop < certificate < cause < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,
@@ -92,6 +92,7 @@ pub use plan::{
     SheetErrors, Strategy, Times,
 };
 pub use reason::{
-    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,
+    WorstClosure,
 };
 pub use strategies::driver::{plan, plan_watched};

@@ -79,11 +79,20 @@ pub enum Undecided {
     },
 }
 
+/// Order, in the rates of creases, of the conditions of a proof.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProofOrder {
+    /// The sheet closes to first order only if no crease turns.
+    First,
+    /// Creases could turn to first order, but then the sheet would not close to second order.
+    Second,
+}
+
 /// Knowledge of the first steps from flat in the directions asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum FirstSteps {
     /// It is proved that no motion leaves flat, for every sheet whose coordinates are written with these digits.
-    NoneProved,
+    NoneProved(ProofOrder),
     /// It is proved that some creases cannot turn, or that some can while all others rest.
     Some {
         /// Edges that cannot turn in a first step.

@@ -17,6 +17,7 @@ mod nonsense;
 mod overshoot;
 mod planner_order;
 mod progress;
+mod second_order;
 mod sweep;
 mod symmetry;
 mod timing;

@@ -5,7 +5,8 @@ use foldpath::collision::Crossing;
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
 use foldpath::planner::{
-    FirstSteps, GroupsDropped, HingeAtLimit, Note, Reason, Stop, TimeoutAt, Undecided, WorstClosure,
+    FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,
+    WorstClosure,
 };
 use foldpath_core::GroupId;
 
@@ -114,11 +115,11 @@ fn reasons_are_sentences() {
             Reason::PathStops {
                 reached: 0.0,
                 stop: Stop::Singular,
-                at_flat: Some(FirstSteps::NoneProved),
+                at_flat: Some(FirstSteps::NoneProved(ProofOrder::First)),
                 limited: None,
                 worst: None,
             },
-            "as far as 0.0 % of the goal's angles: no motion leaves the flat sheet with these signs (proved)".into(),
+            "as far as 0.0 % of the goal's angles: no motion leaves the flat sheet with these signs (proved to first order)".into(),
         ),
         (
             Reason::PathStops {

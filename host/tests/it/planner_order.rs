@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 52] = [
+const ORDER: [&str; 53] = [
     "vectors",
     "goal",
     "knots",
@@ -28,9 +28,10 @@ const ORDER: [&str; 52] = [
     "following/route",
     "following/route_selection",
     "foldability/flat_cone",
+    "foldability/products",
+    "foldability/locked_loop",
     "foldability/certificate",
     "foldability/cause",
-    "foldability/locked_loop",
     "foldability/forecast",
     "placement/overshoot",
     "placement/reachability",

@@ -5,7 +5,9 @@ use core::fmt;
 
 use super::certificate::Lock;
 use super::flat_cone::{bend, direction_errors, held_at};
+use super::locked_loop::LockedLoop;
 use crate::pattern::{ClosureSite, CreasePattern, EdgeId, FlatFlaw, VertexId};
+use crate::planner::reason::ProofOrder;
 use crate::planner::{Goal, GoalKind};
 use crate::util::nan_max::bounding_box;
 
@@ -54,6 +56,9 @@ pub enum CauseKind {
     LockedLoop(f64),
     /// No crease can turn along the letters: no rates but 0 satisfy the conditions at the vertices to first order.
     EmptyCone,
+    /// The conditions at some vertices hold creases that could turn to first order: the sheet would not close to second
+    /// order.
+    SecondOrder,
 }
 
 impl CauseKind {
@@ -72,6 +77,7 @@ impl CauseKind {
             Self::LockedPart => "locked-part",
             Self::LockedLoop(_) => "locked-loop",
             Self::EmptyCone => "empty-cone",
+            Self::SecondOrder => "second-order",
         }
     }
 }
@@ -130,6 +136,11 @@ impl fmt::Display for Cause {
                  turn: {edges}",
                 product
             ),
+            CauseKind::SecondOrder => write!(
+                f,
+                "its conditions{with} let these not turn along their letters, as the sheet would not close to second \
+                 order: {edges}"
+            ),
             CauseKind::EmptyCone => write!(
                 f,
                 "its conditions{with} let no crease turn along its letter in a first step from flat"
@@ -139,7 +150,7 @@ impl fmt::Display for Cause {
 }
 
 /// Returns the number of decimals with which a coordinate has six digits of the size of the sheet, wherever the sheet lies.
-pub(super) fn decimals(pattern: &CreasePattern) -> usize {
+fn decimals(pattern: &CreasePattern) -> usize {
     let (low, high) = bounding_box(pattern.vertices().iter().copied()).unwrap_or_default();
     let digits = 5.0 - (high - low).amax().max(f64::MIN_POSITIVE).log10().floor();
     #[allow(
@@ -246,8 +257,12 @@ pub(super) fn at_vertices(
     causes
 }
 
-/// Makes the cause of creases that are proved to be locked.
+/// Makes the cause of creases that are proved to be locked, which is of this kind if first order decides.
 pub(super) fn of_lock(pattern: &CreasePattern, lock: &Lock, kind: CauseKind) -> Cause {
+    let kind = match lock.order {
+        ProofOrder::First => kind,
+        ProofOrder::Second => CauseKind::SecondOrder,
+    };
     let vertices = lock.sites.iter().map(|site| match site {
         ClosureSite::Vertex(vertex) | ClosureSite::Hole(vertex) => *vertex,
     });
@@ -259,6 +274,21 @@ pub(super) fn of_lock(pattern: &CreasePattern, lock: &Lock, kind: CauseKind) -> 
         decimals: decimals(pattern),
         edges: edges.collect(),
         vertices,
+    }
+}
+
+/// Makes the cause of creases that a loop of vertices locks.
+pub(super) fn of_loop(pattern: &CreasePattern, locked: &LockedLoop) -> Cause {
+    let edges = locked
+        .creases
+        .iter()
+        .map(|&crease| pattern.creases()[crease]);
+    Cause {
+        kind: CauseKind::LockedLoop(locked.product),
+        at: pattern.drawn_place(locked.vertices[0]),
+        decimals: decimals(pattern),
+        edges: edges.collect(),
+        vertices: locked.vertices.clone(),
     }
 }
 

@@ -1,4 +1,5 @@
-//! Proves that creases cannot turn in a first step from flat, by multipliers of the conditions on the rates.
+//! Proves that creases cannot turn in a first step from flat, by multipliers of the conditions on the rates, or on the
+//! products of two rates.
 //!
 //! Let y be any multipliers of the conditions, and c_k = s_k (y · column of crease k) with the sign s_k of the crease.
 //! Rates x of the cone satisfy Σ c_k |x_k| = 0. If all c_k are positive, no crease turns: this is Farkas' lemma. If
@@ -11,8 +12,11 @@
 
 use nalgebra::DMatrix;
 
-use super::flat_cone::{DRAWN_RAD, FlatConditions, STILL_RATIO, direction_errors, held_by_few};
-use crate::pattern::{ClosureSite, CreasePattern};
+use super::flat_cone::{FlatConditions, STILL_RATIO, direction_errors, drawn_errors, held_by_few};
+use super::locked_loop::{LockedLoop, locked_loops};
+use super::products::Products;
+use crate::pattern::{ClosureSite, CreasePattern, VertexId};
+use crate::planner::reason::ProofOrder;
 use crate::util::union_find::UnionFind;
 
 /// Largest number of creases that are judged. Sheets of this size with random letters take 0.2 to 0.4 s.
@@ -21,6 +25,8 @@ pub(crate) const MAX_CREASES: usize = 3_000;
 const MAX_UNSIGNED_WORK: usize = 4_000;
 /// Largest number of creases without sign in a connected part of the sheet that is proved to be rigid: about 0.1 s.
 const MAX_UNSIGNED: usize = 150;
+/// Largest number of creases whose conditions to second order are judged together: about 0.1 s.
+const MAX_PRODUCT_CREASES: usize = 16;
 /// Size below which a multiplier is an error of the program's solution. The multipliers that hold a crease are about 1.
 const MIN_MULTIPLIER: f64 = 1e-6;
 /// Rounding of a sum of products, as a fraction of the sum of their sizes.
@@ -33,6 +39,8 @@ pub(crate) struct Lock {
     pub(crate) creases: Vec<usize>,
     /// The places of the conditions, the one with the largest multiplier first.
     pub(crate) sites: Vec<ClosureSite>,
+    /// The order of the conditions.
+    pub(crate) order: ProofOrder,
 }
 
 /// The creases of a sheet that cannot turn in a first step from flat along given signs.
@@ -51,28 +59,40 @@ impl Locks {
     /// times as fast as the fastest, or not at all. Returns `None` if the sheet is too large.
     pub(crate) fn find(pattern: &CreasePattern, signs: &[f64]) -> Option<Self> {
         let sheet = Sheet::new(pattern, signs, direction_errors(pattern))?;
-        let mut locks = sheet.locks()?;
+        let mut locks = sheet.locks(pattern)?;
         sheet.judge_unsigned(&mut locks)?;
         Some(locks)
+    }
+
+    /// Adds creases that the conditions at these vertices hold to second order.
+    fn add_second_order(&mut self, vertices: &[VertexId], creases: Vec<usize>) {
+        for &crease in &creases {
+            self.locked[crease] = true;
+            self.at_rest[crease] = true;
+        }
+        self.proofs.push(Lock {
+            creases,
+            sites: vertices.iter().copied().map(ClosureSite::Vertex).collect(),
+            order: ProofOrder::Second,
+        });
     }
 }
 
 /// Proves, if it can, that no motion leaves flat along the `signs` and turns one of the `asked` creases: each connected
 /// part of the sheet with such a crease has no rates but 0. The proof holds although the directions of all creases may be
-/// wrong by [`DRAWN_RAD`]. Returns the locks that make up the proof.
+/// wrong by a milliradian. Returns the locks that make up the proof.
 ///
 /// Rates are a proof for motions of any kind, because the first derivatives of the fold angles of an analytic motion
-/// that are not all 0 are rates of the cone (curve selection lemma).
+/// that are not all 0 are rates of the cone (curve selection lemma), and their products satisfy the conditions to second
+/// order.
 pub(crate) fn cannot_leave(
     pattern: &CreasePattern,
     signs: &[f64],
     asked: &[bool],
 ) -> Option<Vec<Lock>> {
-    let errors = direction_errors(pattern);
-    let errors = errors.iter().map(|error| error.max(DRAWN_RAD)).collect();
-    let sheet = Sheet::new(pattern, signs, errors)?;
-    let locks = sheet.locks()?;
-    let mut parts = sheet.parts().into_iter();
+    let sheet = Sheet::new(pattern, signs, drawn_errors(pattern))?;
+    let locks = sheet.locks(pattern)?;
+    let mut parts = sheet.parts(&sheet.held).into_iter();
     let is_asked = |part: &Vec<usize>| part.iter().any(|&crease| asked[crease]);
     parts
         .all(|part| !is_asked(&part) || sheet.is_rigid(&part, &locks))
@@ -85,6 +105,9 @@ struct Sheet<'a> {
     signs: &'a [f64],
     /// Largest error of the direction of each crease, radians.
     errors: Vec<f64>,
+    /// The same for proofs to second order. These hang on how exactly a sheet is drawn, so that they have to hold within a
+    /// milliradian in any case.
+    drawn_errors: Vec<f64>,
     /// Creases that a vertex with fewer than four creases holds at 0.
     held: Vec<bool>,
 }
@@ -96,21 +119,22 @@ impl<'a> Sheet<'a> {
             held: held_by_few(pattern, signs, &errors),
             signs,
             errors,
+            drawn_errors: drawn_errors(pattern),
         })
     }
 
-    /// Returns the creases that are not held, in sets that share no condition.
-    fn parts(&self) -> Vec<Vec<usize>> {
-        let mut sets = UnionFind::new(self.held.len());
+    /// Returns the creases that are not `held`, in sets that share no condition.
+    fn parts(&self, held: &[bool]) -> Vec<Vec<usize>> {
+        let mut sets = UnionFind::new(held.len());
         let mut first = vec![None; self.conditions.sites.len()];
-        let free = || (0..self.held.len()).filter(|&crease| !self.held[crease]);
+        let free = || (0..held.len()).filter(|&crease| !held[crease]);
         for crease in free() {
             for coefficient in &self.conditions.columns[crease] {
                 let other = *first[coefficient.row as usize].get_or_insert(crease);
                 sets.join([crease, other]);
             }
         }
-        let mut parts = vec![Vec::new(); self.held.len()];
+        let mut parts = vec![Vec::new(); held.len()];
         for crease in free() {
             parts[sets.find(crease)].push(crease);
         }
@@ -119,22 +143,111 @@ impl<'a> Sheet<'a> {
     }
 
     /// Finds the locked creases among those with a sign.
-    fn locks(&self) -> Option<Locks> {
+    fn locks(&self, pattern: &CreasePattern) -> Option<Locks> {
+        let mut locks = self.first_order()?;
+        while self.add_second_order(pattern, &mut locks) {
+            self.add_first_order(&mut locks)?;
+        }
+        Some(locks)
+    }
+
+    /// Finds the creases with a sign that the conditions to first order lock.
+    fn first_order(&self) -> Option<Locks> {
         let mut locks = Locks {
             locked: self.held.clone(),
             at_rest: self.held.clone(),
             proofs: Vec::new(),
         };
-        let active: Vec<usize> = self.parts().concat();
+        self.add_first_order(&mut locks)?;
+        Some(locks)
+    }
+
+    /// Adds the creases with a sign that the conditions to first order lock, given those that are locked.
+    fn add_first_order(&self, locks: &mut Locks) -> Option<()> {
+        let active: Vec<usize> = self.parts(&locks.at_rest).concat();
         // Errors at the largest rate that the ratio admits; errors at rate 1 find multipliers that prove more where the
         // digits are few.
         for slack in [1.0 / STILL_RATIO, 1.0] {
             let (_, multipliers) =
                 self.conditions
                     .solve(&active, self.signs, &self.errors, slack)?;
-            self.certify(&multipliers, self.signs, &mut locks);
+            self.certify(&multipliers, self.signs, locks);
         }
-        Some(locks)
+        Some(())
+    }
+
+    /// Adds the creases that the conditions to second order hold: first those of loops and single vertices or, if there are
+    /// none, those of small parts of the sheet. Returns `true` if there are any.
+    fn add_second_order(&self, pattern: &CreasePattern, locks: &mut Locks) -> bool {
+        let mut found = false;
+        for LockedLoop {
+            vertices, creases, ..
+        } in locked_loops(pattern, self.signs, &self.drawn_errors, 0.0)
+        {
+            if creases.iter().any(|&crease| !locks.at_rest[crease]) {
+                locks.add_second_order(&vertices, creases);
+                found = true;
+            }
+        }
+        for vertex in pattern.real_vertices() {
+            let star = pattern.stars()[vertex.index()].iter();
+            let creases = star.filter_map(|&edge| pattern.edge(edge).crease);
+            let moving = creases.map(|crease| crease.index());
+            let moving: Vec<usize> = moving.filter(|&crease| !locks.at_rest[crease]).collect();
+            found |= self.hold_to_second_order(pattern, &[vertex], moving, locks);
+        }
+        if found {
+            return true;
+        }
+        for part in self.parts(&locks.at_rest) {
+            let ends = part
+                .iter()
+                .flat_map(|&crease| pattern.edge(pattern.creases()[crease]).ends);
+            let mut vertices: Vec<VertexId> = ends.filter(|&end| pattern.is_real(end)).collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            found |= self.hold_to_second_order(pattern, &vertices, part, locks);
+        }
+        found
+    }
+
+    /// Adds these creases to the locks if the conditions at the vertices hold them to second order. Returns `true` if so.
+    fn hold_to_second_order(
+        &self,
+        pattern: &CreasePattern,
+        vertices: &[VertexId],
+        creases: Vec<usize>,
+        locks: &mut Locks,
+    ) -> bool {
+        let is_signed = |&crease: &usize| self.signs[crease].abs() > 0.0;
+        if !(1..=MAX_PRODUCT_CREASES).contains(&creases.len()) || !creases.iter().all(is_signed) {
+            return false;
+        }
+        let products = Products::new(pattern, &self.conditions, vertices, &creases);
+        let sign = |&[a, b]: &[usize; 2]| self.signs[a] * self.signs[b];
+        let signs: Vec<f64> = products.pairs.iter().map(sign).collect();
+        let error = |&[a, b]: &[usize; 2]| self.drawn_errors[a] + self.drawn_errors[b];
+        let sheet = Sheet {
+            held: vec![false; signs.len()],
+            errors: products.pairs.iter().map(error).collect(),
+            drawn_errors: Vec::new(),
+            signs: &signs,
+            conditions: products.conditions,
+        };
+        let all: Vec<usize> = (0..signs.len()).collect();
+        let solved = sheet.conditions.solve(&all, &signs, &sheet.errors, 1.0);
+        let Some((_, multipliers)) = solved else {
+            return false;
+        };
+        let is_held = |(pair, &[a, b]): (usize, &[usize; 2])| {
+            let (c, e) = sheet.sums(&multipliers, &signs, pair);
+            c > e || a != b && c >= e
+        };
+        if !products.pairs.iter().enumerate().all(is_held) {
+            return false;
+        }
+        locks.add_second_order(vertices, creases);
+        true
     }
 
     /// Adds the creases that these multipliers prove to be locked, first those that do not turn at all.
@@ -173,8 +286,10 @@ impl<'a> Sheet<'a> {
                     }
                 }
                 if !creases.is_empty() {
-                    let sites = cluster.sites.clone();
-                    locks.proofs.push(Lock { creases, sites });
+                    locks.proofs.push(Lock {
+                        creases,
+                        ..cluster.clone()
+                    });
                 }
             }
             if !found {
@@ -229,6 +344,7 @@ impl<'a> Sheet<'a> {
                     let empty = Lock {
                         creases: Vec::new(),
                         sites: Vec::new(),
+                        order: ProofOrder::First,
                     };
                     clusters.push((0.0, empty));
                     clusters.len() - 1
@@ -259,7 +375,7 @@ impl<'a> Sheet<'a> {
     /// Adds the creases without sign that are locked: those that turn neither way.
     fn judge_unsigned(&self, locks: &mut Locks) -> Option<()> {
         let mut work = 0;
-        for part in self.parts() {
+        for part in self.parts(&self.held) {
             // Creases that are only slow remain in the sums of the proof, and therefore in the program.
             let part: Vec<usize> = part.into_iter().filter(|&k| !locks.at_rest[k]).collect();
             let unsigned: Vec<usize> = part
@@ -530,7 +646,9 @@ mod tests {
                 .map(|&edge| pattern.edge(edge).letter.sign())
                 .collect();
             let matrix = matrix(&pattern);
-            let locks = Locks::find(&pattern, &signs).unwrap();
+            let sheet = Sheet::new(&pattern, &signs, direction_errors(&pattern)).unwrap();
+            let mut locks = sheet.first_order().unwrap();
+            sheet.judge_unsigned(&mut locks).unwrap();
             for (crease, &is_locked) in locks.locked.iter().enumerate() {
                 let ways = [1.0, -1.0]
                     .into_iter()
@@ -579,7 +697,12 @@ mod tests {
                 .map(|&edge| pattern.edge(edge).letter);
             let signs: Vec<f64> = letters.map(Letter::sign).collect();
             let asked: Vec<bool> = signs.iter().map(|sign| *sign != 0.0).collect();
-            if cannot_leave(&pattern, &signs, &asked).is_none() {
+            let proofs = cannot_leave(&pattern, &signs, &asked);
+            let is_first = |proofs: &Vec<Lock>| {
+                let mut orders = proofs.iter().map(|lock| lock.order);
+                orders.all(|order| order == ProofOrder::First)
+            };
+            if !proofs.is_some_and(|proofs| is_first(&proofs)) {
                 continue;
             }
             proved += 1;

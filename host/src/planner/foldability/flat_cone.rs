@@ -25,7 +25,7 @@ const FULL_PRECISION_RAD: f64 = 1e-9;
 /// Error, radians, that the directions of creases are allowed if the reader repaired the drawing and thereby moved
 /// vertices. Also the error within which a proof that a sheet cannot fold at all has to hold, because panels that
 /// deform a little, as the bound of a plan allows, bridge smaller ones.
-pub(crate) const DRAWN_RAD: f64 = 1e-3;
+const DRAWN_RAD: f64 = 1e-3;
 /// Largest rate in a program, in units of the rate at which a crease counts as turning.
 pub(crate) const MAX_RATE: f64 = 100.0;
 /// Smallest error of a condition that a program allows, in the same unit. The normal equations of the program have a
@@ -307,6 +307,13 @@ pub(crate) fn direction_errors(pattern: &CreasePattern) -> Vec<f64> {
     };
     let error = |&edge: &EdgeId| least + 2.0 * unit / pattern.length(pattern.edge(edge).ends);
     pattern.creases().iter().map(error).collect()
+}
+
+/// Returns for each crease the largest error of its direction, radians, with which a proof has to hold that a sheet cannot
+/// fold at all: the error that follows from the precision, and at least [`DRAWN_RAD`].
+pub(crate) fn drawn_errors(pattern: &CreasePattern) -> Vec<f64> {
+    let errors = direction_errors(pattern).into_iter();
+    errors.map(|error| error.max(DRAWN_RAD)).collect()
 }
 
 /// Returns the creases that the structure of single vertices holds at 0, whatever the size of the fold angles: a real

@@ -1,12 +1,14 @@
 //! Foresees from the flat sheet alone whether a pattern folds.
 
-use super::cause::{Cause, CauseKind, at_vertices, of_lock};
+use super::cause::{Cause, CauseKind, at_vertices, of_lock, of_loop};
 use super::certificate::{Lock, Locks, MAX_CREASES, cannot_leave};
-use super::locked_loop::locked_loops;
+use super::flat_cone::direction_errors;
+use super::locked_loop::{OTHER_RATIO, locked_loops};
 use crate::pattern::{ClosureSite, CreasePattern, Digits, EdgeId, Precision};
 use crate::planner::Goal;
 use crate::planner::following::mobility::{FirstStep, Mobility, first_step};
 use crate::planner::following::reduction::CLOSED;
+use crate::planner::reason::ProofOrder;
 use crate::progress::Watch;
 use crate::straighten::{Straightened, straightened};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
@@ -112,7 +114,9 @@ fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watc
         goal_residual: None,
         straightened: None,
     };
-    forecast.causes.extend(locked_loops(pattern, &letters));
+    let loops = locked_loops(pattern, &letters, &direction_errors(pattern), OTHER_RATIO);
+    let loops = loops.iter().map(|locked| of_loop(pattern, locked));
+    forecast.causes.extend(loops);
     let Some(goal) = goal.filter(|_| !watch.is_over()) else {
         return forecast;
     };
@@ -233,7 +237,7 @@ impl Forecast {
         let at_vertices = self.causes.clone();
         let is_explained = |cause: &Cause| {
             let mut known = at_vertices.iter().filter(|known| !known.edges.is_empty());
-            kind == CauseKind::LockedPart
+            cause.kind != CauseKind::EmptyCone
                 && known.any(|known| cause.vertices.contains(&known.vertices[0]))
         };
         let causes = proofs.iter().map(|lock| of_lock(pattern, lock, kind));
@@ -254,7 +258,12 @@ impl Forecast {
                 .map(ClosureSite::Vertex)
                 .collect();
             let creases = (0..moves.len()).filter(|&crease| moves[crease]).collect();
-            let lock = Lock { creases, sites };
+            let order = ProofOrder::First;
+            let lock = Lock {
+                creases,
+                sites,
+                order,
+            };
             self.causes.push(of_lock(pattern, &lock, kind));
         }
         proof.is_some()

@@ -5,3 +5,4 @@ pub(crate) mod certificate;
 pub(crate) mod flat_cone;
 pub(crate) mod forecast;
 mod locked_loop;
+mod products;

@@ -14,7 +14,7 @@ use crate::planner::GoalKind;
 use crate::planner::foldability::certificate::{Locks, cannot_leave};
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
-use crate::planner::reason::{FirstSteps, Note, Reason};
+use crate::planner::reason::{FirstSteps, Note, ProofOrder, Reason};
 use crate::planner::vectors::largest;
 use crate::symmetry::closure_of;
 
@@ -58,8 +58,13 @@ fn first_steps(asked: &PlanningProblem<'_>) -> FirstSteps {
     let moves: Vec<bool> = moves
         .map(|(way, angle)| way.abs() > 0.0 && angle.is_none_or(|angle| angle.abs() > 0.0))
         .collect();
-    if cannot_leave(pattern, &ways, &moves).is_some() {
-        return FirstSteps::NoneProved;
+    if let Some(proofs) = cannot_leave(pattern, &ways, &moves) {
+        let is_second = proofs.iter().any(|lock| lock.order == ProofOrder::Second);
+        return FirstSteps::NoneProved(if is_second {
+            ProofOrder::Second
+        } else {
+            ProofOrder::First
+        });
     }
     let edges = |is_one: &dyn Fn(usize) -> bool| -> Vec<EdgeId> {
         let creases = (0..moves.len()).filter(|&crease| moves[crease] && is_one(crease));
