@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 52] = [
+const ORDER: [&str; 53] = [
     "vectors",
     "goal",
     "knots",
@@ -51,6 +51,7 @@ const ORDER: [&str; 52] = [
     "strategies/stops",
     "strategies/phase_samples",
     "strategies/fold_sequence",
+    "strategies/rings",
     "strategies/split_phases",
     "strategies/way_round",
     "strategies/bending",
