@@ -1,8 +1,10 @@
 //! Draws a folding sheet as an animated SVG, which browsers play in an `<img>` too. Writes to stdout; without a pattern,
-//! it draws the picture of the README.
+//! it draws the picture of the README. With a path and the number of one of its steps, counted from 1, it draws the sheet at
+//! the end of the step.
 //!
 //! ```text
 //! cargo run --release --example moving_picture -- pattern.fold > docs/pictures/miura-11x11-folding.svg
+//! cargo run --release --example moving_picture -- path.fold 1 > step-1.svg
 //! ```
 
 use core::error::Error;
@@ -14,6 +16,7 @@ use std::path::Path;
 use foldpath::folding::shapes;
 use foldpath::pattern::CreasePattern;
 use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::read::fold::read_motion;
 use foldpath::read::read_pattern;
 use nalgebra::{Matrix3, Vector3};
 
@@ -41,6 +44,12 @@ const AMBIENT: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = args_os().nth(1).unwrap_or_else(|| DEFAULT.into());
+    if let Some(step) = args_os().nth(2) {
+        let step = step.to_str().and_then(|step| step.parse().ok());
+        let step = step.ok_or("expected the number of a step, such as 1")?;
+        print!("{}", picture_of_step(Path::new(&file), step)?);
+        return Ok(());
+    }
     let pattern = read_pattern(Path::new(&file))?.pattern;
     let plan = plan(
         &pattern,
@@ -55,6 +64,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frames: Vec<Vec<Vector3<f64>>> = shapes(&motion.resampled(FRAMES)).map(seen).collect();
     print!("{}", picture(&pattern, &frames)?);
     Ok(())
+}
+
+/// Draws the sheet of a path at the end of a step, counted from 1.
+pub(crate) fn picture_of_step(file: &Path, step: usize) -> Result<String, Box<dyn Error>> {
+    let motion = read_motion(file)?;
+    let ends = motion.phases.iter().copied().chain([motion.segments()]);
+    let mut ends = ends.skip(step.saturating_sub(1));
+    let knot = ends.next().filter(|_| step > 0);
+    let knot = knot.ok_or_else(|| format!("the path has {} steps", motion.phases.len() + 1))?;
+    let view = view();
+    let shape = shapes(&motion).nth(knot).unwrap_or_default();
+    let shape = shape.iter().map(|point| view * point).collect();
+    Ok(picture(&motion.pattern, &[shape])?)
 }
 
 /// Returns the rotation from the sheet to the view.

@@ -96,7 +96,10 @@ fn an_order_is_listed_of_hinges_that_turn_freely() {
         folder.done(&format!("plan a.fold {options} --json")).json()["orders"].clone()
     };
     assert_eq!(listed("--orders 3"), json!(["0,1,2"]));
-    assert_eq!(listed("--orders 3 --crease 0=30"), json!(["0=30"]));
+    assert_eq!(
+        listed("--orders 3 --crease 0=30 --crease 1=20 --crease 2=10"),
+        json!(["0=30,1=20,2=10"])
+    );
     assert_eq!(listed(""), Value::Null);
     folder.done("generate miura --rows 3 --cols 3 -o a.fold");
     assert_eq!(listed("--orders 3"), json!([]));

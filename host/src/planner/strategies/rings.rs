@@ -15,6 +15,7 @@ use super::stops::{Leg, between, set};
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::PlanOptions;
+use crate::planner::following::reduction::CLOSED;
 
 /// Largest sine of the angle between two creases that count as parallel.
 const PARALLEL_RATIO: f64 = 1e-3;
@@ -137,7 +138,13 @@ fn ring(pattern: &CreasePattern, leg: &Leg, class: &FixedBitSet) -> Option<(u64,
             length(edge) >= BORDER_RATIO * longest && are_parallel(pattern, edge, along)
         })
         .collect();
-    let folded = FoldingMap::new(pattern, pattern.tree(), &leg.angles(class));
+    let angles = leg.angles(class);
+    let bent = angles
+        .iter()
+        .enumerate()
+        .filter(|(_, angle)| angle.abs() > CLOSED);
+    let bent = set(&leg.end, bent.map(|(crease, _)| crease));
+    let folded = FoldingMap::new(pattern, pattern.tree(), &angles);
     let flat = FoldingMap::flat(pattern);
     let borders = edges
         .iter()
@@ -151,14 +158,18 @@ fn ring(pattern: &CreasePattern, leg: &Leg, class: &FixedBitSet) -> Option<(u64,
         }
         let [gap, apart] = [&folded, &flat].map(|map| gap(pattern, map, pair) / length(pair[0]));
         if gap <= MEETS_RATIO && apart > MEETS_RATIO {
-            least = least.min(gap);
             let [own, others] = pair.map(|edge| pattern.edge(edge).faces.into_iter().flatten());
-            for (own, other) in own.flat_map(|own| others.clone().map(move |other| (own, other))) {
-                ring.union_with(&between(pattern, [own, other]));
+            let ways = own.flat_map(|own| others.clone().map(move |other| [own, other]));
+            let mut way = set(&leg.end, []);
+            ways.for_each(|faces| way.union_with(&between(pattern, faces)));
+            way.intersect_with(&bent);
+            // A single crease closes nothing, and what was folded before took part in a ring with other creases.
+            if way.is_subset(class) && way.count_ones(..) > 1 {
+                least = least.min(gap);
+                ring.union_with(&way);
             }
         }
     }
-    ring.intersect_with(class);
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
