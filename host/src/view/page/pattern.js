@@ -3,6 +3,8 @@
 // The page of a crease pattern: a click on a line describes its edge; a button lights the edges of a cause, a name or a
 // crease group. The lines of the drawing are the edges of the pattern, in the order of their numbers.
 (() => {
+  const errors = [];
+  window.addEventListener('error', (event) => errors.push(event.message));
   const scene = JSON.parse(document.getElementById('scene').textContent);
   const lines = [...document.querySelectorAll('main path')];
   const side = document.querySelector('aside');
@@ -65,5 +67,5 @@
     line.after(hit);
   });
 
-  window.foldpath = { lit: () => lit };
+  window.foldpath = { lit: () => lit, errors };
 })();
