@@ -9,7 +9,7 @@ use crate::common::folder;
 #[allow(dead_code, reason = "its `main` draws other pictures")]
 mod moving_picture;
 
-/// How the pictures of steps are drawn.
+/// The command that draws the picture of a step, without its arguments.
 const PICTURE: &str = "cargo run --release --example moving_picture -- ";
 
 /// Returns the words of a command, given that quotation marks hold some together.

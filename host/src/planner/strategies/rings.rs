@@ -1,8 +1,8 @@
 //! Rings: the part of a net that people close first, as the tube of a carton before its lids.
 //!
 //! Parallel creases close a ring if, folded alone, they bring a border of the sheet to another edge that lies apart from
-//! it in the flat sheet: the two borders of a sleeve, or a border and the crease of a glue flap. What hangs on the ring closes
-//! its openings. A crease beyond another one there, as that of a tuck on a lid, may have to turn past its goal, so that the
+//! it in the flat sheet: the two borders of a sleeve, or a border and the crease of a glue flap. The flaps that hang on the ring
+//! close its openings. A crease beyond another one there, as that of a tuck on a lid, may have to turn past its goal, so that the
 //! tuck clears the ring while the lid turns, and then return.
 
 use core::cmp::Reverse;
