@@ -165,6 +165,9 @@ fn summary(job: &Job, done: &Done, json: &PlanJson<'_>) -> String {
     }
     text += &problem_in_words(planned, json);
     text += &path_in_words(&planned.plan, json);
+    for (number, order) in (1..).zip(json.orders.iter().flatten()) {
+        text += &format!("  {:12} {order}\n", format!("order {number}"));
+    }
     text += &match job.request.collision {
         Switch::Off => "  crossings    not looked for\n".to_string(),
         Switch::On => {

@@ -4,6 +4,7 @@ use crate::args::Shown;
 use crate::output::write_whole;
 use crate::standard::{Input, print_summary, shown};
 use crate::{Answer, check_output, print_notes};
+use foldpath::progress::Watch;
 use foldpath::read::ReadOptions;
 use foldpath::view::{Scene, page, pattern_page};
 
@@ -16,11 +17,14 @@ pub(crate) fn run(args: &Shown, quiet: bool) -> Answer {
         Err(_) => {
             let file = input.pattern(&input.bytes()?, &ReadOptions::default())?;
             let (title, pattern) = (&file.title, &file.pattern);
-            write_whole(&args.output, pattern_page(title, pattern).as_bytes())?;
+            write_whole(
+                &args.output,
+                pattern_page(title, pattern, Watch::default()).as_bytes(),
+            )?;
             print_notes(quiet, pattern.repairs());
             print_notes(quiet, pattern.assumptions());
             let text = format!(
-                "{title}: crease pattern of {} edges with their numbers, page written to {}\n",
+                "{title}: crease pattern of {} edges, page written to {}\n",
                 pattern.edges().len(),
                 shown(&args.output)
             );

@@ -17,6 +17,12 @@ pub struct Passage {
 }
 
 impl CreasePattern {
+    /// Returns `true` if creases go round a hole, which they have to close. Windows inside panels have none.
+    pub(crate) fn has_hinged_holes(&self) -> bool {
+        let mut passages = self.holes.iter().flatten();
+        passages.any(|passage| self.edge(passage.edge).crease.is_some())
+    }
+
     /// Returns the middle of a hole and the largest distance from there to a vertex of the loop round it. The distance
     /// is the unit of the loop's residual of translation.
     ///

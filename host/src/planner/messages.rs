@@ -340,6 +340,13 @@ impl Display for Note {
                 f,
                 "folded in {phases} phases: all creases cannot turn at once"
             ),
+            Self::RingsFirst(edges) => write!(f, "{} close a ring before the others fold", Edges(edges)),
+            Self::TurnsPast { edges, by } => write!(
+                f,
+                "{} turn up to {:.1} degrees past their goals and return, so that what is on them clears the rest",
+                Edges(edges),
+                by.to_degrees()
+            ),
             Self::OverlapsAtGoal(most) => write!(
                 f,
                 "at the goal faces are in each other by less than {most:.1e} median edges"

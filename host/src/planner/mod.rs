@@ -52,8 +52,8 @@
 //! < foldability (flat_cone < products < locked_loop < certificate < cause < forecast)
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
-//! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, split_phases, way_round, bending,
-//! lines, advice < driver)
+//! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, rings < split_phases, way_round,
+//! bending, lines, advice < driver)
 //! ```
 
 mod closing;
@@ -88,8 +88,8 @@ pub use options::{
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;
 pub use plan::{
-    Arrival, Attempt, Certificate, CrossingSearch, Effort, Outcome, Plan, ReducedProblem,
-    SheetErrors, Strategy, Times,
+    Arrival, Attempt, Certificate, CrossingSearch, Effort, FoldOrder, Outcome, Plan,
+    ReducedProblem, SheetErrors, Strategy, Times,
 };
 pub use reason::{
     FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,

@@ -151,6 +151,8 @@ pub struct PlanOptions {
     pub max_knots: Option<usize>,
     /// Time after which planning stops; none by default.
     pub timeout: Option<Duration>,
+    /// Number of orders in which hinges that turn freely may fold, to list in the plan's [`orders`](super::Plan::orders).
+    pub orders: usize,
     /// `true` if each knot keeps the folded positions of the vertices: 24 bytes for each vertex and knot.
     pub keep_vertices: bool,
 }
@@ -178,6 +180,7 @@ impl Default for PlanOptions {
             max_acceleration: None,
             max_knots: None,
             timeout: None,
+            orders: 0,
             keep_vertices: true,
         }
     }

@@ -2,13 +2,18 @@
 
 use core::ops::AddAssign;
 use core::time::Duration;
+use std::collections::HashMap;
 
 use super::messages::percent;
 use super::reason::{Note, Reason, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion, PLANNED};
+use crate::pattern::CreaseId;
 use crate::util::clock::Instant;
+
+/// Largest turn of a crease that rests in a step, radians.
+const TURNED_RAD: f64 = 1e-6;
 
 /// Answer of the planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -180,12 +185,64 @@ pub struct Plan {
     pub effort: Effort,
     /// The search for crossings.
     pub crossings: CrossingSearch,
+    /// Orders in which the creases of a sheet whose hinges turn freely may fold, as many as were asked for and found, that of
+    /// the motion first. In any two of them, some creases fold in the opposite order.
+    pub orders: Vec<FoldOrder>,
     /// Remarks for the user.
     pub notes: Vec<Note>,
     /// Questions left open; with any of them, the outcome is no longer [`Outcome::Planned`].
     pub undecided: Vec<Undecided>,
     /// Strategies that were tried, in this order.
     pub attempts: Vec<Attempt>,
+}
+
+/// Steps in which creases turn one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoldOrder {
+    /// The creases that turn in each step, with their fold angles at its end, radians.
+    pub steps: Vec<Vec<(CreaseId, f64)>>,
+}
+
+impl FoldOrder {
+    /// Returns the order in which the creases turn in the phases of a motion.
+    #[must_use]
+    pub fn of(motion: &Motion) -> Self {
+        let last = motion.segments();
+        let mut ends: Vec<usize> = motion.phases.iter().copied().chain([last]).collect();
+        ends.dedup();
+        let mut before = motion.crease_angles(0);
+        let steps = ends.into_iter().map(|knot| {
+            let angles = motion.crease_angles(knot);
+            let turns = (0..).map(CreaseId).zip(before.iter().zip(&angles));
+            let turns = turns.filter(|(_, (before, after))| (*after - *before).abs() > TURNED_RAD);
+            let step = turns.map(|(crease, (_, &angle))| (crease, angle)).collect();
+            before = angles;
+            step
+        });
+        Self {
+            steps: steps.filter(|step: &Vec<_>| !step.is_empty()).collect(),
+        }
+    }
+
+    /// Returns `true` if one crease begins to turn before another here, and after it in another order.
+    #[must_use]
+    pub fn differs_from(&self, other: &Self) -> bool {
+        let begun = |order: &Self| {
+            let mut begun = HashMap::new();
+            for (step, turns) in order.steps.iter().enumerate() {
+                for (crease, _) in turns {
+                    begun.entry(*crease).or_insert(step);
+                }
+            }
+            begun
+        };
+        let (here, there) = (begun(self), begun(other));
+        let both: Vec<[usize; 2]> = (here.iter())
+            .filter_map(|(crease, &step)| Some([step, *there.get(crease)?]))
+            .collect();
+        let is_swapped = |a: &[usize; 2]| both.iter().any(|b| a[0] < b[0] && a[1] > b[1]);
+        both.iter().any(is_swapped)
+    }
 }
 
 /// Strategy of the planner.

@@ -286,6 +286,15 @@ pub enum Note {
     },
     /// Creases turn one after the other, in this number of phases.
     Phases(usize),
+    /// These creases close rings before the others fold.
+    RingsFirst(Vec<EdgeId>),
+    /// Creases turn past their goals and return, so that what is on them clears the rest of the sheet.
+    TurnsPast {
+        /// Edges of the creases.
+        edges: Vec<EdgeId>,
+        /// The largest angle by which one turns past its goal, radians.
+        by: f64,
+    },
     /// The sheet would fold to the goal if panels bent by this angle, radians.
     WouldBend(f64),
     /// Faces are in each other by less than this depth at the goal, which the path nearly reaches, in median edges.

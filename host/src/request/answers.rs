@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::hints::radians_hint;
 use super::options::PlanRequest;
+use super::order::Order;
 use super::plan::Planned;
 use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
@@ -89,6 +90,11 @@ answers! {
         contact_tolerance: f64 = plan.crossings.contact_tolerance;
         undecided: Vec<String> = sentences(&plan.undecided);
         notes: Vec<String> = notes(planned, request, file);
+        #[serde(skip_serializing_if = "Option::is_none")]
+        orders: Option<Vec<String>> = request.orders.map(|_| {
+            let orders = plan.orders.iter();
+            orders.map(|order| Order::of(order, pattern, &planned.goal).to_string()).collect()
+        });
         attempts: Vec<AttemptJson> = (plan.attempts.iter())
             .map(|attempt| AttemptJson::of(attempt, times.is_some())).collect();
         #[serde(skip_serializing_if = "Option::is_none")]

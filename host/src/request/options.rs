@@ -61,9 +61,17 @@ options! {
         /// In its step each edge goes to its goal angle, or to the angle given, in degrees; an edge may stand in several
         /// steps. A name, as the id of a shape or group in SVG or a layer in DXF, stands for all edges that have it; `info
         /// --edges` lists numbers and names. Edges that stand nowhere fold in a last step. Borders are skipped. The path rests
-        /// between the steps. Hinges of other steps move only as closure requires. In a FOLD file of the same sheet, whose
-        /// name ends in .fold, each frame beside the key frame that has fold angles is a step.
+        /// between the steps. Hinges of other steps move only as closure requires. A name of digits and hyphens alone, or with one
+        /// of the signs / , = in it, stands in quotation marks: '"0" / "a-b"'. In a FOLD file of the same sheet, whose name
+        /// ends in .fold, each frame beside the key frame that has fold angles is a step.
         order: Option<Order> = None, heading: "Goal", value_name: "STEPS", excludes: &["crease", "via"] => |_, _| ();
+
+        /// Largest number of orders to list in which the hinges of a net may fold, in the words of `--order`
+        ///
+        /// In any two of them some hinges fold in the opposite order. The path folds in the first. Orders are found if the
+        /// hinges turn freely, as where no vertex lies inside the sheet and there is no hole that hinges go round.
+        orders: Option<usize> = None, heading: "Goal", value_name: "N", excludes: &["order", "via"]
+            => |plan, orders| plan.orders = orders.unwrap_or(0);
 
         /// Largest distance of a crease from its goal angle at the end of the path, degrees
         goal_tolerance: f64 = DEFAULT_GOAL_TOLERANCE_DEG, heading: "Goal", value_name: "DEG",

@@ -1,4 +1,5 @@
-//! The order in which hinges fold: as a user writes it, `0-3 / 8-11 / 5=135,lid / 5`, or as the frames of a file.
+//! The order in which hinges fold: as a user writes it, `0-3 / 8-11 / 5=135,lid / 5`, or as the frames of a file. Names that
+//! would be read otherwise stand in quotation marks, as in `"0" / "a-b"`.
 
 use core::fmt;
 use core::str::FromStr;
@@ -8,7 +9,10 @@ use super::error::RequestError;
 use super::hints::nearest_name;
 use super::plan::{NamedGoals, crease};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, VertexId};
-use crate::planner::Goal;
+use crate::planner::{FoldOrder, Goal, GoalKind};
+
+/// Largest distance at which a fold angle that was found is that of the goal, radians.
+const SAME_ANGLE_RAD: f64 = 1e-6;
 
 /// Steps of hinges that fold one after the other.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,18 +52,32 @@ impl FromStr for Order {
         if text.trim().to_ascii_lowercase().ends_with(".fold") {
             return Ok(Self(Steps::Keyframes(text.trim().into())));
         }
-        let step = |step: &str| step.split(',').map(|part| turn(part.trim())).collect();
-        text.split('/')
+        let step = |step: &str| -> Result<Vec<Turn>, String> {
+            let parts = unquoted(step, ',').into_iter();
+            parts.map(|part| turn(part.trim())).collect()
+        };
+        unquoted(text, '/')
+            .into_iter()
             .map(step)
             .collect::<Result<_, _>>()
             .map(|steps| Self(Steps::Written(steps)))
     }
 }
 
+/// Splits a text at a separator, but for separators between quotation marks.
+fn unquoted(text: &str, separator: char) -> Vec<&str> {
+    let mut is_quoted = false;
+    let split = |letter: char| {
+        is_quoted ^= letter == '"';
+        letter == separator && !is_quoted
+    };
+    text.split(split).collect()
+}
+
 fn turn(part: &str) -> Result<Turn, String> {
     let wrong = |expected: &str| format!("expected {expected}, found {part:?}");
-    let (edges, degrees) = match part.rsplit_once('=') {
-        Some((edges, degrees)) => {
+    let (edges, degrees) = match unquoted(part, '=')[..] {
+        [edges, degrees] => {
             let degrees: Option<f64> = degrees.trim().parse().ok();
             let degrees = degrees.filter(|degrees| degrees.abs() <= 180.0);
             (
@@ -67,7 +85,7 @@ fn turn(part: &str) -> Result<Turn, String> {
                 Some(degrees.ok_or_else(|| wrong("an angle from -180 to 180 degrees"))?),
             )
         }
-        None => (part, None),
+        _ => (part, None),
     };
     let edges = edges_of(edges.trim()).ok_or_else(|| {
         wrong("an edge such as 5, edges such as 0-3, a name of edges such as lid, or one of them with an angle such as 5=135")
@@ -75,11 +93,22 @@ fn turn(part: &str) -> Result<Turn, String> {
     Ok(Turn { edges, degrees })
 }
 
-/// Parses edges. A text of digits and hyphens alone is no name.
+/// Returns `true` if a text of an order has to be read as numbers of edges.
+fn is_number(text: &str) -> bool {
+    let is_of_number = |letter: char| letter.is_ascii_digit() || letter == '-' || letter == ' ';
+    text.chars().all(is_of_number)
+}
+
+/// Parses edges. A text of digits and hyphens alone is a name only in quotation marks.
 fn edges_of(text: &str) -> Option<Edges> {
-    let is_number = |letter: char| letter.is_ascii_digit() || letter == '-' || letter == ' ';
-    if !text.chars().all(is_number) {
-        return Some(Edges::Named(text.into()));
+    let quoted = text
+        .strip_prefix('"')
+        .and_then(|text| text.strip_suffix('"'));
+    if let Some(name) = quoted {
+        return (!name.is_empty() && !name.contains('"')).then(|| Edges::Named(name.into()));
+    }
+    if !is_number(text) {
+        return (!text.contains('"')).then(|| Edges::Named(text.into()));
     }
     let number = |text: &str| text.trim().parse::<usize>().ok();
     let (first, last) = match text.split_once('-') {
@@ -142,6 +171,9 @@ impl fmt::Display for Turn {
         match &self.edges {
             Edges::Numbered { first, last } if last > first => write!(f, "{first}-{last}")?,
             Edges::Numbered { first, .. } => write!(f, "{first}")?,
+            Edges::Named(name) if is_number(name) || name.contains(['/', ',', '=']) => {
+                write!(f, "\"{name}\"")?;
+            }
             Edges::Named(name) => write!(f, "{name}")?,
         }
         self.degrees
@@ -168,6 +200,27 @@ fn in_words(step: &[Turn]) -> String {
 }
 
 impl Order {
+    /// Returns an order that the planner found, as a user writes it. Angles that are those of the goal are left out.
+    pub(super) fn of(found: &FoldOrder, pattern: &CreasePattern, goal: &Goal) -> Self {
+        let turn = |&(hinge, angle): &(CreaseId, f64)| {
+            // Driven hinges turn to angles of the request, which the pattern does not know.
+            let own = goal.fold_angles[hinge.index()].filter(|_| goal.kind != GoalKind::Driven);
+            let is_goal = own.is_some_and(|own| (own - angle).abs() < SAME_ANGLE_RAD);
+            let edge = pattern.creases()[hinge.index()].index();
+            Turn {
+                edges: Edges::Numbered {
+                    first: edge,
+                    last: edge,
+                },
+                degrees: (!is_goal).then(|| (angle.to_degrees() * 1e6).round() / 1e6),
+            }
+        };
+        let steps = found.steps.iter();
+        Self(Steps::Written(
+            steps.map(|step| step.iter().map(turn).collect()).collect(),
+        ))
+    }
+
     /// Returns the file of keyframes, if the steps are those.
     pub(super) fn file(&self) -> Option<&PathBuf> {
         match &self.0 {
@@ -242,7 +295,7 @@ fn turns(
 fn stops_after(steps: Vec<Step>, pattern: &CreasePattern, goal: &Goal) -> (Vec<Goal>, String) {
     // Creases that meet inside the sheet, or go round a hole, move with each other.
     let turns_alone = |ends: [VertexId; 2]| {
-        pattern.holes().is_empty() && !ends.into_iter().any(|end| pattern.is_real(end))
+        !pattern.has_hinged_holes() && !ends.into_iter().any(|end| pattern.is_real(end))
     };
     let creases = pattern.creases().iter();
     let at_rest = creases.map(|&edge| turns_alone(pattern.edge(edge).ends).then_some(0.0));

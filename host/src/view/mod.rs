@@ -1,14 +1,17 @@
 //! Makes the page that shows a folding path: one HTML file that needs no other file and no network.
 //!
-//! `page/` has its parts, with placeholders. [`page`] joins the parts and inserts the [`Scene`] as JSON.
+//! `page/` has its parts, with placeholders. [`page`] joins the parts and inserts the [`Scene`] as JSON. [`pattern_page`] makes
+//! the page of a crease pattern.
 
+mod pattern_page;
 mod scene;
 
 use serde::{Serialize, Serializer};
 
 use crate::check::WorstPair;
-use crate::export::svg_pattern::numbered;
-use crate::pattern::{CreasePattern, FaceId};
+use crate::pattern::FaceId;
+
+pub use pattern_page::pattern_page;
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -20,16 +23,6 @@ const SCRIPTS: [&str; 4] = [
     include_str!("page/page.js"),
 ];
 const PLACEHOLDER: &str = "/*SCENE*/";
-
-/// Makes the page that shows a crease pattern: its drawing with the numbers of the edges.
-#[must_use]
-pub fn pattern_page(title: &str, pattern: &CreasePattern) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>crease pattern</title>\n\
-         <style>body {{ margin: 0 }} svg {{ width: 100vw; height: 100vh }}</style>\n{}</html>\n",
-        numbered(title, pattern)
-    )
-}
 
 /// The data of the page: the flat sheet and the motion of its hinges. The page folds the sheet itself, at any time,
 /// face by face along the spanning tree.

@@ -117,32 +117,34 @@ fn shortfall(path: &Motion, watch: Watch<'_>) -> Option<SceneShortfall> {
     } else {
         Vec::new()
     };
-    let edges = |cause: &Cause| {
-        if !cause.edges.is_empty() {
-            return cause.edges.clone();
-        }
-        let mut edges: Vec<EdgeId> = (cause.vertices.iter())
-            .flat_map(|vertex| pattern.stars()[vertex.index()].to_vec())
-            .collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges
-    };
     Some(SceneShortfall {
         outcome: answer.outcome.clone(),
         reached: answer.reached,
         causes: causes
             .iter()
-            .map(|cause| SceneCause {
-                edges: edges(cause).iter().map(|edge| edge.0).collect(),
-                message: cause.to_string(),
-            })
+            .map(|cause| scene_cause(pattern, cause))
             .collect(),
     })
 }
 
+/// Describes a cause and the edges that it lights.
+pub(super) fn scene_cause(pattern: &CreasePattern, cause: &Cause) -> SceneCause {
+    let mut edges: Vec<u32> = cause.edges.iter().map(|edge| edge.0).collect();
+    if edges.is_empty() {
+        let vertices = cause.vertices.iter();
+        let stars = vertices.flat_map(|vertex| &pattern.stars()[vertex.index()]);
+        edges.extend(stars.map(|edge| edge.0));
+        edges.sort_unstable();
+        edges.dedup();
+    }
+    SceneCause {
+        edges,
+        message: cause.to_string(),
+    }
+}
+
 /// Encodes a membership as one number, as in [`Scene::turns`].
-fn turn(member: Option<Membership>) -> i64 {
+pub(super) fn turn(member: Option<Membership>) -> i64 {
     member.map_or(0, |m| {
         let number = i64::from(m.group.0) + 1;
         if m.negative { -number } else { number }

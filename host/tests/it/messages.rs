@@ -391,6 +391,17 @@ fn notes_are_sentences() {
             "folded in 3 phases: all creases cannot turn at once",
         ),
         (
+            Note::RingsFirst(edges(2)),
+            "edges 0, 1 close a ring before the others fold",
+        ),
+        (
+            Note::TurnsPast {
+                edges: edges(1),
+                by: 0.25,
+            },
+            "edges 0 turn up to 14.3 degrees past their goals and return, so that what is on them clears the rest",
+        ),
+        (
             Note::WouldBend(0.5),
             "the sheet would fold if its panels might bend by 28.6 degrees",
         ),

@@ -52,6 +52,7 @@ const ORDER: [&str; 53] = [
     "strategies/stops",
     "strategies/phase_samples",
     "strategies/fold_sequence",
+    "strategies/rings",
     "strategies/split_phases",
     "strategies/way_round",
     "strategies/bending",

@@ -74,6 +74,7 @@ def plan(
     crease: Mapping[int, float] | Iterable[str] | str | None = None,
     via: Iterable[File] | File | None = None,
     order: str | None = None,
+    orders: int | None = None,
     goal_tolerance: float = 1.0,
     limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | None = None,
     keep: bool = False,
@@ -130,8 +131,12 @@ def plan(
       such steps. In its step each edge goes to its goal angle, or to the angle given, in degrees; an edge may stand
       in several steps. A name, as the id of a shape or group in SVG or a layer in DXF, stands for all edges that have
       it; `info --edges` lists numbers and names. Edges that stand nowhere fold in a last step. Borders are skipped.
-      The path rests between the steps. Hinges of other steps move only as closure requires. In a FOLD file of the
-      same sheet, whose name ends in .fold, each frame beside the key frame that has fold angles is a step
+      The path rests between the steps. Hinges of other steps move only as closure requires. A name of digits and
+      hyphens alone, or with one of the signs / , = in it, stands in quotation marks: '"0" / "a-b"'. In a FOLD file of
+      the same sheet, whose name ends in .fold, each frame beside the key frame that has fold angles is a step
+    - ``orders``: Largest number of orders to list in which the hinges of a net may fold, in the words of `--order`.
+      In any two of them some hinges fold in the opposite order. The path folds in the first. Orders are found if the
+      hinges turn freely, as where no vertex lies inside the sheet and there is no hole that hinges go round
     - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
     - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
       from 0

@@ -1,6 +1,7 @@
 //! Does the page of `foldpath view` work in a real browser without a network?
 
 use core::time::Duration;
+use std::path::Path;
 use std::thread::sleep;
 use std::time::Instant;
 
@@ -8,8 +9,11 @@ use foldpath::check::check;
 use foldpath::generate::{Letters, Miura, SquareTwist};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::view::{Scene, page};
+use foldpath::read::parse_pattern;
+use foldpath::request::PatternInfo;
+use foldpath::view::{Scene, page, pattern_page};
 use foldpath_core::Interpolation;
 use foldpath_tests::{Animation, Planned, path_file, strict};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -455,6 +459,65 @@ fn what_is_in_the_way_of_a_path_that_falls_short_is_lit() {
     assert_ne!(view.drawn(), lit);
     view.click("#shortfall button");
     assert_eq!(view.drawn(), lit);
+    view.assert_quiet();
+}
+
+/// The page of a pattern lights the edges of a cause, a name and a crease group, and describes the edge that is clicked.
+#[test]
+fn a_pattern_is_a_page_whose_edges_are_described_and_lit() {
+    // A square with a cross of two lines, whose letters alternate: no such vertex folds flat (Maekawa).
+    let line = |id: &str, colour: &str, path: &str| {
+        format!("<g id=\"{id}\"><path stroke=\"{colour}\" d=\"{path}\"/></g>")
+    };
+    let lines = [
+        line("rim </script>", "black", "M0,0H100V100H0Z"),
+        line("north", "red", "M50,50V0"),
+        line("east", "blue", "M50,50H100"),
+        line("south", "red", "M50,50V100"),
+        line("west", "blue", "M50,50H0"),
+    ];
+    let svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 100\" fill=\"none\">{}</svg>",
+        lines.concat().replace(" </script>", " &lt;/script&gt;")
+    );
+    let file = parse_pattern(Path::new("cross.svg"), svg.as_bytes()).unwrap();
+    let pattern = &file.pattern;
+    let html = pattern_page(&file.title, pattern, Watch::default());
+    let view = View::open_page(&html, &[]);
+    let lit = || {
+        let lit = view.run("JSON.stringify(foldpath.lit())");
+        let lit: Vec<usize> = serde_json::from_str(lit.as_str().unwrap()).unwrap();
+        lit
+    };
+    let press = |text: &str| {
+        view.run(&format!(
+            "[...document.querySelectorAll('button')].find((it) => it.textContent.includes('{text}')).click()"
+        ));
+    };
+    let of_name = |name: &str| -> Vec<usize> {
+        let edges = pattern.names()[name].iter();
+        edges.map(|edge| edge.index()).collect()
+    };
+    let forecast = PatternInfo::of(pattern, Watch::default()).verdict;
+    assert_eq!(view.text("aside h2"), format!("forecast: {forecast}"));
+    press("Maekawa");
+    let at_vertex: Vec<usize> = (0..pattern.edges().len())
+        .filter(|&edge| pattern.edges()[edge].crease.is_some())
+        .collect();
+    assert_eq!(lit(), at_vertex);
+    for name in ["north", "west", "rim"] {
+        press(name);
+        let name = if name == "rim" { "rim </script>" } else { name };
+        assert_eq!(lit(), of_name(name), "{name}");
+    }
+    let east = of_name("east")[0];
+    view.click(&format!("[data-edge=\"{east}\"]"));
+    assert_eq!(lit(), [east]);
+    let said = view.text("aside p");
+    assert!(
+        said.starts_with(&format!("edge {east}: V")) && said.contains("names east"),
+        "{said}"
+    );
     view.assert_quiet();
 }
 

@@ -3,6 +3,7 @@
 
 use core::f64::consts::PI;
 use core::fmt::Write as _;
+use std::collections::BTreeMap;
 
 use foldpath_test_support::Folder;
 use serde_json::Value;
@@ -179,6 +180,19 @@ impl Tube {
         [self.x[wall] + along, y]
     }
 
+    /// Adds a window with rounded corners to the first wall.
+    fn window(&mut self) {
+        let [w, _, h] = self.size;
+        let [left, right, low, high] = [0.3 * w, 0.7 * w, 0.3 * h, 0.7 * h];
+        self.die.cut(&[
+            ([left, low], 0.0),
+            ([right, low], 2.0),
+            ([right, high], 2.0),
+            ([left, high], 2.0),
+            ([left, low], 0.0),
+        ]);
+    }
+
     /// Leaves the end of a wall without a flap.
     fn plain(&mut self, wall: usize, end: End) {
         let width = self.x[wall + 1] - self.x[wall];
@@ -245,7 +259,7 @@ impl Tube {
 /// Room beside dust flaps that suffices for a tuck, as a fraction of the depth.
 const ROOM: f64 = 0.12;
 
-/// A carton with tucks at both ends, at the same wall or at opposite ones.
+/// A carton with tucks at both ends, at the same wall, or at opposite ones and with a window.
 fn tucked(size: [f64; 3], reverse: bool, room: f64) -> DieLine {
     let mut tube = Tube::new(size, 0.35 * size[1]);
     let below = if reverse { 2 } else { 0 };
@@ -255,6 +269,9 @@ fn tucked(size: [f64; 3], reverse: bool, room: f64) -> DieLine {
     tube.plain(2 - below, End::Bottom);
     tube.dust_flaps(End::Top, room);
     tube.dust_flaps(End::Bottom, room);
+    if reverse {
+        tube.window();
+    }
     tube.die
 }
 
@@ -317,20 +334,12 @@ fn slotted(size: [f64; 3]) -> DieLine {
 
 /// A tube open at both ends, with a window whose corners are rounded.
 fn sleeve(size: [f64; 3]) -> DieLine {
-    let [w, d, h] = size;
-    let mut tube = Tube::new(size, 0.35 * d);
+    let mut tube = Tube::new(size, 0.35 * size[1]);
     for wall in 0..4 {
         tube.plain(wall, End::Top);
         tube.plain(wall, End::Bottom);
     }
-    let [left, right, low, high] = [0.3 * w, 0.7 * w, 0.3 * h, 0.7 * h];
-    tube.die.cut(&[
-        ([left, low], 0.0),
-        ([right, low], 2.0),
-        ([right, high], 2.0),
-        ([left, high], 2.0),
-        ([left, low], 0.0),
-    ]);
+    tube.window();
     tube.die
 }
 
@@ -382,6 +391,22 @@ fn kinds() -> [Kind; 6] {
     ]
 }
 
+/// The layers of creases that close the openings of tubes.
+const FLAPS: [&str; 12] = [
+    "dust",
+    "lid-top",
+    "tuck-top",
+    "lid-bottom",
+    "tuck-bottom",
+    "main",
+    "sides",
+    "lock",
+    "inner-top",
+    "outer-top",
+    "inner-bottom",
+    "outer-bottom",
+];
+
 /// Plans a drawing; the path is kept however far it goes.
 fn plan(folder: &Folder, file: &str, order: Option<&str>, has_goal: bool) -> Value {
     let fold = if has_goal { "" } else { "--fold 0.5" };
@@ -428,20 +453,6 @@ fn turn_before(path: &Value, first: &[usize], later: &[usize]) -> bool {
 
 #[test]
 fn cartons_fold_in_the_order_of_the_trade() {
-    let flaps = [
-        "dust",
-        "lid-top",
-        "tuck-top",
-        "lid-bottom",
-        "tuck-bottom",
-        "main",
-        "sides",
-        "lock",
-        "inner-top",
-        "outer-top",
-        "inner-bottom",
-        "outer-bottom",
-    ];
     for (kind, drawn, order) in kinds() {
         for size in SIZES {
             let die = drawn(size);
@@ -454,7 +465,7 @@ fn cartons_fold_in_the_order_of_the_trade() {
                 assert_eq!(answer["outcome"], "planned", "{said}: {answer}");
                 let (body, flaps) = (
                     with_names(&folder, file, &["body", "glue"]),
-                    with_names(&folder, file, &flaps),
+                    with_names(&folder, file, &FLAPS),
                 );
                 if order.is_some() {
                     assert_eq!(body.len(), 4, "{said}");
@@ -463,6 +474,78 @@ fn cartons_fold_in_the_order_of_the_trade() {
                     let path = folder.read_json("path.fold");
                     assert!(turn_before(&path, &body, &flaps), "{said}");
                 }
+            }
+        }
+    }
+}
+
+/// The planner takes the order of people by itself: it closes the tube first, and dust flaps before lids.
+#[test]
+fn tubes_close_before_their_lids_without_an_order() {
+    for (kind, drawn, _) in kinds().into_iter().filter(|kind| kind.0 != "tray") {
+        for size in SIZES {
+            let die = drawn(size);
+            for (file, text) in [("a.svg", die.svg()), ("a.dxf", die.dxf())] {
+                let folder = folder();
+                folder.write(file, &text);
+                let said = format!("{kind} {size:?} {file}");
+                let answer = plan(&folder, file, None, false);
+                assert_eq!(answer["outcome"], "planned", "{said}: {answer}");
+                let named = |names: &[&str]| with_names(&folder, file, names);
+                let (body, flaps) = (named(&["body", "glue"]), named(&FLAPS));
+                if flaps.is_empty() {
+                    continue;
+                }
+                let path = folder.read_json("path.fold");
+                assert!(turn_before(&path, &body, &flaps), "{said}: {answer}");
+                let (dust, lids) = (named(&["dust"]), named(&["lid-top", "lid-bottom"]));
+                assert!(
+                    dust.is_empty() || turn_before(&path, &dust, &lids),
+                    "{said}: {answer}"
+                );
+            }
+        }
+    }
+}
+
+/// Returns for each edge of an order the step in which it first turns.
+fn first_steps(order: &str) -> BTreeMap<usize, usize> {
+    let mut steps = BTreeMap::new();
+    for (step, turns) in order.split(" / ").enumerate() {
+        for turn in turns.split(',') {
+            let edge = turn.split_once('=').map_or(turn, |(edge, _)| edge);
+            steps.entry(edge.parse().unwrap()).or_insert(step);
+        }
+    }
+    steps
+}
+
+/// Each order that is listed can be asked for, and in any two of them some edges fold in the opposite order.
+#[test]
+fn orders_that_are_listed_differ_and_can_be_asked_for() {
+    for ((kind, drawn, _), most) in kinds().into_iter().zip([4, 4, 4, 4, 1, 0]) {
+        let folder = folder();
+        folder.write("a.svg", &drawn(SIZES[0]).svg());
+        let fold = if kind == "tray" { "" } else { "--fold 0.5" };
+        let answer = folder.done(&format!("plan a.svg {fold} --orders 4 --json"));
+        let answer = answer.json();
+        let orders = answer["orders"].as_array().unwrap().iter();
+        let orders: Vec<&str> = orders.map(|order| order.as_str().unwrap()).collect();
+        assert_eq!(orders.len(), most, "{kind}: {orders:?}");
+        for (number, order) in orders.iter().enumerate() {
+            let asked = plan(&folder, "a.svg", Some(order), false);
+            assert_eq!(asked["outcome"], "planned", "{kind}: {order}: {asked}");
+            let here = first_steps(order);
+            assert_eq!(
+                here.len(),
+                if kind == "sleeve" { 4 } else { 12 },
+                "{kind}: {order}"
+            );
+            for other in &orders[..number] {
+                let there = first_steps(other);
+                let mut pairs = here.iter().flat_map(|a| here.iter().map(move |b| (a, b)));
+                let is_swapped = pairs.any(|(a, b)| a.1 < b.1 && there[a.0] > there[b.0]);
+                assert!(is_swapped, "{kind}: {order} and {other}");
             }
         }
     }

@@ -8,6 +8,7 @@ mod cartons;
 mod cli;
 mod common;
 mod cuts_and_holes;
+mod documents;
 mod drawings;
 mod drawn_alike;
 mod drive;

@@ -152,6 +152,43 @@ fn repaired_lines_keep_their_names() {
     assert_eq!(names["walls"].len(), 6 + 4, "{names:?}");
 }
 
+/// Names that would be read as numbers, or that have signs of orders in them, stand in quotation marks.
+#[test]
+fn quoted_names_are_names() {
+    let numbers = frames(
+        "a.dxf",
+        &dxf(["lid", "back", "flap"]),
+        "flap / lid=70,back / lid",
+    );
+    for (layers, order) in [
+        (["0", "a/b", "1-2"], "\"1-2\" / \"0\"=70,\"a/b\" / \"0\""),
+        (
+            ["x=1", "7,8", "3"],
+            "\"3\" / \"x=1\" = 70, \"7,8\" / \"x=1\"",
+        ),
+        (["lid", "back", "flap"], "\"flap\" / \"lid\"=70,back / lid"),
+    ] {
+        assert_eq!(frames("a.dxf", &dxf(layers), order), numbers, "{order}");
+    }
+    let folder = folder();
+    folder.write("a.dxf", &dxf(["0", "a/b", "1-2"]));
+    for order in ["\"0", "\"\"", "\"0\"\"1-2\"", "0\""] {
+        let mut command = folder.command("plan a.dxf --fold 0.3 --order");
+        let answer = command.arg(order).output().unwrap();
+        let said = String::from_utf8_lossy(&answer.stderr).into_owned();
+        assert_eq!(answer.status.code(), Some(2), "{order}: {said}");
+        assert!(
+            said.contains("expected an edge such as 5"),
+            "{order}: {said}"
+        );
+    }
+    // The answer has the order as it can be asked for again.
+    let mut command = folder.command("plan a.dxf --fold 0.3 --json --order");
+    let answer = command.arg("\"0\" / \"a/b\"").output().unwrap();
+    let answer: Value = serde_json::from_slice(&answer.stdout).unwrap();
+    assert_eq!(answer["options"]["order"], "\"0\" / \"a/b\"");
+}
+
 /// Returns the path that a plan in an order writes.
 fn frames(file: &str, text: &str, order: &str) -> Value {
     let folder = folder();

@@ -87,6 +87,24 @@ fn hinges_turn_in_their_steps_alone() {
     assert!((knots.last().unwrap()[0] - 60.0).abs() < 1e-9);
 }
 
+/// A strip folds all at once, which is the one order that is listed. Hinges that meet inside the sheet have no order.
+#[test]
+fn an_order_is_listed_of_hinges_that_turn_freely() {
+    let folder = folder();
+    folder.write("a.fold", &strip(&[1.0, 1.0, 1.0, 1.0], &[60.0, 70.0, 50.0]));
+    let listed = |options: &str| {
+        folder.done(&format!("plan a.fold {options} --json")).json()["orders"].clone()
+    };
+    assert_eq!(listed("--orders 3"), json!(["0,1,2"]));
+    assert_eq!(
+        listed("--orders 3 --crease 0=30 --crease 1=20 --crease 2=10"),
+        json!(["0=30,1=20,2=10"])
+    );
+    assert_eq!(listed(""), Value::Null);
+    folder.done("generate miura --rows 3 --cols 3 -o a.fold");
+    assert_eq!(listed("--orders 3"), json!([]));
+}
+
 /// Creases of other steps that meet those of a step move with them.
 #[test]
 fn creases_that_meet_move_together() {

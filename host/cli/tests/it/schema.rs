@@ -179,6 +179,7 @@ fn every_answer_fits_its_schema() {
         ("info.json", &twist, 0),
         ("plan.json", "plan miura.fold", 0),
         ("plan.json", all_options, 0),
+        ("plan.json", "plan miura.fold --orders 2", 0),
         ("plan.json", "plan miura.fold --timeout 0", 1),
         ("plan.json", "plan miura.fold --bound 1e-99", 1),
         ("plan.json", &kresling, 1),

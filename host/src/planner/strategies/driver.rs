@@ -7,6 +7,7 @@ use super::advice::{explain_first_steps, note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
+use super::phase_samples::turns_freely;
 use super::pipeline::deform;
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
@@ -19,7 +20,7 @@ use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
 use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
-use crate::planner::plan::{Attempt, Outcome, Plan, Strategy};
+use crate::planner::plan::{Attempt, FoldOrder, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem, StageTimes};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
 use crate::planner::{Goal, GoalKind, PlanOptions, Search, Symmetry};
@@ -425,6 +426,7 @@ pub fn plan_watched(
         best
     });
     best.effort.times = stage_times.times();
+    list_own_order(&asked, &mut best);
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {
@@ -454,6 +456,19 @@ pub fn plan_watched(
         motion.phases.retain(|knot| inner.contains(knot));
     }
     best
+}
+
+/// Lists the order of the motion, if orders are asked for, the plan has none yet, and each hinge turns freely.
+fn list_own_order(asked: &PlanningProblem<'_>, best: &mut Plan) {
+    if asked.options.orders == 0 {
+        best.orders.clear();
+    } else if best.orders.is_empty()
+        && best.outcome == Outcome::Planned
+        && turns_freely(asked.pattern)
+    {
+        let motion = best.motion.iter();
+        best.orders.extend(motion.map(FoldOrder::of));
+    }
 }
 
 /// Returns a note on the straightened sheet, if it could be planned but was not begun for want of time. Only small sheets

@@ -26,7 +26,7 @@ const HALVINGS: usize = 6;
 
 /// Returns `true` if each hinge of a sheet turns freely, whatever the others do.
 pub(super) fn turns_freely(pattern: &CreasePattern) -> bool {
-    pattern.real_vertices().next().is_none() && pattern.holes().is_empty()
+    pattern.real_vertices().next().is_none() && !pattern.has_hinged_holes()
 }
 
 /// The first sample of a phase at which faces cross.
@@ -63,6 +63,19 @@ impl<'a> PhaseSamples<'a> {
             leg,
             known: HashMap::new(),
         }
+    }
+
+    /// Returns these samples with a part of the effort.
+    pub(super) fn with_part(mut self, part: f64) -> Self {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "an effort"
+        )]
+        let left = (part * self.left as f64) as usize;
+        self.left = left;
+        self
     }
 
     /// Returns `true` if no more samples are taken, as enough were, or time has run out.

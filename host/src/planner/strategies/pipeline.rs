@@ -93,6 +93,7 @@ fn plan_of(
             contact_tolerance: problem.contact,
             ..lifted.crossings
         },
+        orders: Vec::new(),
         notes: notes.chain(lifted.notes).collect(),
         undecided: lifted.undecided,
         attempts: Vec::new(),

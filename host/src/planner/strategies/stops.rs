@@ -28,6 +28,16 @@ pub(crate) struct Leg {
 }
 
 impl Leg {
+    /// Returns the leg that has the same start and ends at these fold angles, radians.
+    pub(super) fn with_end(&self, end: Vec<f64>) -> Self {
+        let start = self.start.clone();
+        Self {
+            start,
+            end,
+            ..*self
+        }
+    }
+
     /// Returns by how much a crease turns, radians.
     pub(super) fn turn(&self, crease: usize) -> f64 {
         self.end[crease] - self.start[crease]
