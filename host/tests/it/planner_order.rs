@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 53] = [
+const ORDER: [&str; 54] = [
     "vectors",
     "goal",
     "knots",
