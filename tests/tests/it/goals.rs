@@ -130,7 +130,7 @@ fn creases_that_follow_turn_by_their_letters() {
             assert!(off(angle, degrees) <= 1e-9, "{degrees}: {end:?}");
         }
         // Three creases at 60 degrees close the three flaps between them: the closed form of a vertex of six equal sectors.
-        if degrees.abs() == 60.0 {
+        if (degrees.abs() - 60.0).abs() < 1e-9 {
             let flap = end[1 - crease.index() % 2];
             let closed = -180.0 * degrees.signum();
             assert!(off(&flap, closed) <= 1e-5, "{degrees}: {end:?}");

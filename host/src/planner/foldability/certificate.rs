@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 
 use super::flat_cone::{FlatConditions, STILL_RATIO, direction_errors, drawn_errors, held_by_few};
 use super::locked_loop::{LockedLoop, locked_loops};
-use super::products::Products;
+use super::products::{Products, has_foot};
 use crate::pattern::{ClosureSite, CreasePattern, VertexId};
 use crate::planner::reason::ProofOrder;
 use crate::util::union_find::UnionFind;
@@ -105,8 +105,8 @@ struct Sheet<'a> {
     signs: &'a [f64],
     /// Largest error of the direction of each crease, radians.
     errors: Vec<f64>,
-    /// The same for proofs to second order. These hang on how exactly a sheet is drawn, so that they have to hold within a
-    /// milliradian in any case.
+    /// Largest error with which proofs to second order have to hold: at least a milliradian, as they hang on how exactly a
+    /// sheet is drawn.
     drawn_errors: Vec<f64>,
     /// Creases that a vertex with fewer than four creases holds at 0.
     held: Vec<bool>,
@@ -194,7 +194,9 @@ impl<'a> Sheet<'a> {
             let creases = star.filter_map(|&edge| pattern.edge(edge).crease);
             let moving = creases.map(|crease| crease.index());
             let moving: Vec<usize> = moving.filter(|&crease| !locks.at_rest[crease]).collect();
-            found |= self.hold_to_second_order(pattern, &[vertex], moving, locks);
+            if !has_foot(pattern, vertex, &moving, self.signs) {
+                found |= self.hold_to_second_order(pattern, &[vertex], moving, locks);
+            }
         }
         if found {
             return true;

@@ -3,7 +3,7 @@
 //! Let x be rates that satisfy the conditions to first order. The rotation round a vertex is then, to second order, about the
 //! normal of the sheet, by half the sum of x_j x_k (u_j × u_k) over the pairs of creases j before k, with the directions u
 //! counter-clockwise (the first term of the Baker-Campbell-Hausdorff formula). It has to be 0 too: a sheet of which the
-//! creases of a vertex turn upwards all round would become a cone that is too wide to close. This is the second-order test
+//! creases of a vertex turn upwards all round would become a cone, for which it is too wide. This is the second-order test
 //! of R. Connelly and W. Whiteley, "Second-order rigidity and prestress stability for tensegrity frameworks", SIAM J.
 //! Discrete Math. 9(3), 1996; the multipliers of these conditions are the self-stress.
 //!
@@ -82,6 +82,32 @@ impl Products {
             },
         }
     }
+}
+
+/// Returns `true` if some creases of a vertex have a bird's foot: three creases of one sign all round it, and one of the other.
+/// Such a vertex leaves flat (Z. Abel and others, "Rigid origami vertices: conditions and forcing sets", J. Comput. Geom. 7(1),
+/// 2016), so that a proof need not be looked for.
+pub(crate) fn has_foot(
+    pattern: &CreasePattern,
+    vertex: VertexId,
+    creases: &[usize],
+    signs: &[f64],
+) -> bool {
+    let star = pattern.stars()[vertex.index()].iter();
+    let ways = star.filter_map(|&edge| {
+        let crease = pattern.edge(edge).crease?.index();
+        let way = pattern.direction(edge, vertex);
+        creases.contains(&crease).then_some((signs[crease], way))
+    });
+    let ways: Vec<_> = ways.collect();
+    [1.0, -1.0].into_iter().any(|side| {
+        let toes: Vec<_> = ways.iter().filter(|(sign, _)| sign * side > 0.0).collect();
+        let next = toes.iter().cycle().skip(1);
+        let mut sectors = toes.iter().zip(next);
+        // The stars are counter-clockwise, so that a sector is below half a turn if the next way is to the left.
+        let all_round = sectors.all(|((_, way), (_, next))| way.perp(next) > 0.0);
+        toes.len() >= 3 && toes.len() < ways.len() && all_round
+    })
 }
 
 /// Returns twice the angle by which two creases that turn at rate 1 turn the sheet about its normal round a vertex, to
