@@ -266,29 +266,29 @@ pub(super) fn of_lock(pattern: &CreasePattern, lock: &Lock, kind: CauseKind) -> 
     let vertices = lock.sites.iter().map(|site| match site {
         ClosureSite::Vertex(vertex) | ClosureSite::Hole(vertex) => *vertex,
     });
-    let vertices: Vec<VertexId> = vertices.collect();
-    let edges = lock.creases.iter().map(|&crease| pattern.creases()[crease]);
+    of_creases(pattern, kind, vertices.collect(), &lock.creases)
+}
+
+/// Makes the cause of creases that a loop of vertices locks.
+pub(super) fn of_loop(pattern: &CreasePattern, locked: &LockedLoop) -> Cause {
+    let kind = CauseKind::LockedLoop(locked.product);
+    of_creases(pattern, kind, locked.vertices.clone(), &locked.creases)
+}
+
+/// Makes a cause at some vertices that keeps some creases from turning.
+fn of_creases(
+    pattern: &CreasePattern,
+    kind: CauseKind,
+    vertices: Vec<VertexId>,
+    creases: &[usize],
+) -> Cause {
+    let edges = creases.iter().map(|&crease| pattern.creases()[crease]);
     Cause {
         kind,
         at: pattern.drawn_place(vertices.first().copied().unwrap_or_default()),
         decimals: decimals(pattern),
         edges: edges.collect(),
         vertices,
-    }
-}
-
-/// Makes the cause of creases that a loop of vertices locks.
-pub(super) fn of_loop(pattern: &CreasePattern, locked: &LockedLoop) -> Cause {
-    let edges = locked
-        .creases
-        .iter()
-        .map(|&crease| pattern.creases()[crease]);
-    Cause {
-        kind: CauseKind::LockedLoop(locked.product),
-        at: pattern.drawn_place(locked.vertices[0]),
-        decimals: decimals(pattern),
-        edges: edges.collect(),
-        vertices: locked.vertices.clone(),
     }
 }
 

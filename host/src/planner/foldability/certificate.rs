@@ -105,9 +105,6 @@ struct Sheet<'a> {
     signs: &'a [f64],
     /// Largest error of the direction of each crease, radians.
     errors: Vec<f64>,
-    /// Largest error with which proofs to second order have to hold: at least a milliradian, as they hang on how exactly a
-    /// sheet is drawn.
-    drawn_errors: Vec<f64>,
     /// Creases that a vertex with fewer than four creases holds at 0.
     held: Vec<bool>,
 }
@@ -119,7 +116,6 @@ impl<'a> Sheet<'a> {
             held: held_by_few(pattern, signs, &errors),
             signs,
             errors,
-            drawn_errors: drawn_errors(pattern),
         })
     }
 
@@ -144,9 +140,23 @@ impl<'a> Sheet<'a> {
 
     /// Finds the locked creases among those with a sign.
     fn locks(&self, pattern: &CreasePattern) -> Option<Locks> {
+        // Proofs to second order hang on how exactly a sheet is drawn.
+        let errors = drawn_errors(pattern);
         let mut locks = self.first_order()?;
-        while self.add_second_order(pattern, &mut locks) {
+        let mut found = false;
+        for LockedLoop {
+            vertices, creases, ..
+        } in locked_loops(pattern, self.signs, &errors, 0.0)
+        {
+            if creases.iter().any(|&crease| !locks.at_rest[crease]) {
+                locks.add_second_order(&vertices, creases);
+                found = true;
+            }
+        }
+        found |= self.add_second_order(pattern, &errors, &mut locks);
+        while found {
             self.add_first_order(&mut locks)?;
+            found = self.add_second_order(pattern, &errors, &mut locks);
         }
         Some(locks)
     }
@@ -176,26 +186,17 @@ impl<'a> Sheet<'a> {
         Some(())
     }
 
-    /// Adds the creases that the conditions to second order hold: first those of loops and single vertices or, if there are
-    /// none, those of small parts of the sheet. Returns `true` if there are any.
-    fn add_second_order(&self, pattern: &CreasePattern, locks: &mut Locks) -> bool {
+    /// Adds the creases that the conditions to second order hold, with these errors of directions (radians): first those of
+    /// single vertices or, if there are none, those of small parts of the sheet. Returns `true` if there are any.
+    fn add_second_order(&self, pattern: &CreasePattern, errors: &[f64], locks: &mut Locks) -> bool {
         let mut found = false;
-        for LockedLoop {
-            vertices, creases, ..
-        } in locked_loops(pattern, self.signs, &self.drawn_errors, 0.0)
-        {
-            if creases.iter().any(|&crease| !locks.at_rest[crease]) {
-                locks.add_second_order(&vertices, creases);
-                found = true;
-            }
-        }
         for vertex in pattern.real_vertices() {
             let star = pattern.stars()[vertex.index()].iter();
             let creases = star.filter_map(|&edge| pattern.edge(edge).crease);
             let moving = creases.map(|crease| crease.index());
             let moving: Vec<usize> = moving.filter(|&crease| !locks.at_rest[crease]).collect();
             if !has_foot(pattern, vertex, &moving, self.signs) {
-                found |= self.hold_to_second_order(pattern, &[vertex], moving, locks);
+                found |= self.hold_to_second_order(pattern, errors, &[vertex], moving, locks);
             }
         }
         if found {
@@ -208,7 +209,7 @@ impl<'a> Sheet<'a> {
             let mut vertices: Vec<VertexId> = ends.filter(|&end| pattern.is_real(end)).collect();
             vertices.sort_unstable();
             vertices.dedup();
-            found |= self.hold_to_second_order(pattern, &vertices, part, locks);
+            found |= self.hold_to_second_order(pattern, errors, &vertices, part, locks);
         }
         found
     }
@@ -217,6 +218,7 @@ impl<'a> Sheet<'a> {
     fn hold_to_second_order(
         &self,
         pattern: &CreasePattern,
+        errors: &[f64],
         vertices: &[VertexId],
         creases: Vec<usize>,
         locks: &mut Locks,
@@ -228,11 +230,10 @@ impl<'a> Sheet<'a> {
         let products = Products::new(pattern, &self.conditions, vertices, &creases);
         let sign = |&[a, b]: &[usize; 2]| self.signs[a] * self.signs[b];
         let signs: Vec<f64> = products.pairs.iter().map(sign).collect();
-        let error = |&[a, b]: &[usize; 2]| self.drawn_errors[a] + self.drawn_errors[b];
+        let error = |&[a, b]: &[usize; 2]| errors[a] + errors[b];
         let sheet = Sheet {
             held: vec![false; signs.len()],
             errors: products.pairs.iter().map(error).collect(),
-            drawn_errors: Vec::new(),
             signs: &signs,
             conditions: products.conditions,
         };

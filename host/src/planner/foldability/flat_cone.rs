@@ -292,7 +292,7 @@ fn first_variables(active: &[usize], signs: &[f64]) -> impl Iterator<Item = usiz
 }
 
 /// Returns the number of a condition.
-fn row(index: usize) -> u32 {
+pub(crate) fn row(index: usize) -> u32 {
     u32::try_from(index).expect("fewer than 2^32 vertices")
 }
 

@@ -11,7 +11,7 @@
 //! to first order times each rate. Multipliers of these that hold all products at 0 prove, as those of the first order do,
 //! that the creases do not turn (reformulation and linearisation; H. Sherali, W. Adams, SIAM J. Discrete Math. 3(3), 1990).
 
-use super::flat_cone::{Coefficient, FlatConditions};
+use super::flat_cone::{Coefficient, FlatConditions, row};
 use crate::pattern::{ClosureSite, CreasePattern, VertexId};
 
 /// The products of the rates of some creases, and the conditions on them.
@@ -128,9 +128,4 @@ fn turn_about_normal(
         return None;
     };
     Some(first.perp(&second))
-}
-
-/// Returns the number of a condition.
-fn row(index: usize) -> u32 {
-    u32::try_from(index).expect("few conditions")
 }
