@@ -334,6 +334,7 @@ fn without_knots(pattern: &CreasePattern) -> Motion {
         answer: None,
         knots: Vec::new(),
         phases: Vec::new(),
+        plates: None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! Judges the motion between knots as a whole: closure, shapes and crossings.
 
+use std::sync::Arc;
+
 use foldpath_core::Curve;
 
 use super::closure::{Effort, SegmentClosure, certify};
@@ -8,10 +10,10 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, Openness, SearchEffort, SearchedSheet, SweepVerdict,
+    CollisionScene, Crossing, Openness, Plates, SearchEffort, SearchedSheet, SweepVerdict,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
-use crate::motion::Motion;
+use crate::motion::{Motion, PlateOptions};
 use crate::progress::Watch;
 use crate::symmetry::ReducedStars;
 
@@ -137,6 +139,60 @@ pub(super) fn check_crossings(
             at: at.s,
         }),
         SweepVerdict::Undecided { faces, at } => verdict.undecided.push(Undecided::Crossings {
+            at: Moment::Between {
+                segment: at.segment,
+                s: at.s,
+            },
+            faces,
+        }),
+    }
+}
+
+/// Makes the plates that the file names, for the angles that its hinges have, and searches the whole motion for plates that
+/// pass through each other. Plates are not looked at if thin faces cross.
+pub(super) fn check_plates(
+    path: &Motion,
+    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
+    options: &PlateOptions,
+    verdict: &mut Verdict,
+    watch: Watch<'_>,
+) {
+    let pattern = &path.pattern;
+    if !verdict.crossings.is_empty() {
+        return;
+    }
+    let plates = match Plates::new(pattern, &path.angle_ranges(), options) {
+        Ok(plates) => plates,
+        Err(error) => return verdict.failures.push(Failure::PlatesNotMade(error)),
+    };
+    let memberships = motion.groups.memberships();
+    let openness = Openness {
+        closure: verdict.closure_bound(),
+        gap: verdict
+            .certified()
+            .map_or_else(|| verdict.rigidity().gap, |most| most.gap),
+    };
+    let plated = SearchedSheet::new(pattern, memberships, Some(sheet.contact), watch);
+    let searched =
+        plated
+            .made_of(Arc::new(plates))
+            .search(&motion.segments, &SearchEffort::CHECK, openness);
+    match searched.verdict {
+        SweepVerdict::Free(clearance) => {
+            verdict.min_clearance =
+                clearance.map_or(verdict.min_clearance, |clearance| Some(clearance.distance));
+        }
+        SweepVerdict::Crossing { crossing, at, .. } => {
+            verdict.failures.push(Failure::PlatesCross {
+                at: Moment::Between {
+                    segment: at.segment,
+                    s: at.s,
+                },
+                crossing,
+                thickness: options.thickness,
+            })
+        }
+        SweepVerdict::Undecided { faces, at } => verdict.undecided.push(Undecided::Plates {
             at: Moment::Between {
                 segment: at.segment,
                 s: at.s,

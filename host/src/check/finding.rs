@@ -4,7 +4,7 @@ use foldpath_core::GroupId;
 use thiserror::Error;
 
 use super::messages::{differing, known, rate, turns};
-use crate::collision::Crossing;
+use crate::collision::{Crossing, PlateError};
 use crate::pattern::{ClosureSite, EdgeId, FaceId, Letter, VertexId};
 
 /// A place on a path.
@@ -202,6 +202,22 @@ pub enum Failure {
         /// The depth in median edges.
         depth_edges: f64,
     },
+    /// Plates pass through each other.
+    #[error(
+        "{at}: panels {} and {}, plates {thickness} thick, pass through each other, {:.3e} deep",
+        crossing.faces[0], crossing.faces[1], crossing.depth
+    )]
+    PlatesCross {
+        /// Place on the path.
+        at: Moment,
+        /// Faces of the panels, and the depth in units of the sheet.
+        crossing: Crossing,
+        /// Thickness of the plates, units of the sheet.
+        thickness: f64,
+    },
+    /// The panels cannot be the plates that the file names.
+    #[error("{0}")]
+    PlatesNotMade(PlateError),
 }
 
 /// A question that a check leaves open. `Display` makes a sentence of it.
@@ -255,6 +271,17 @@ pub enum Undecided {
         /// Place up to which no faces do.
         at: Moment,
         /// The faces that were looked at last, if they were two.
+        faces: Option<[FaceId; 2]>,
+    },
+    /// The search for crossings of plates did not decide within its budget.
+    #[error(
+        "not certified: {at}, whether plates pass through each other takes too long to tell{}",
+        known(*faces, |[a, b]| format!(": panels {a} and {b}"))
+    )]
+    Plates {
+        /// Place up to which no plates do.
+        at: Moment,
+        /// Faces of the panels that were looked at last, if they were two.
         faces: Option<[FaceId; 2]>,
     },
     /// The check was cancelled, or its time ended.

@@ -45,7 +45,8 @@ pub(super) fn convex_parts(pattern: &CreasePattern, face: FaceId) -> Vec<Vec<Ver
     parts
 }
 
-fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
+/// Returns `true` if a cycle of vertices nowhere bends to the right.
+pub(super) fn is_convex(pattern: &CreasePattern, cycle: &[VertexId]) -> bool {
     let point = |k: usize| pattern.vertices()[cycle[k % cycle.len()].index()];
     (0..cycle.len()).all(|k| {
         let (a, b, c) = (point(k), point(k + 1), point(k + 2));

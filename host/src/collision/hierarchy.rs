@@ -76,7 +76,8 @@ impl Hierarchy {
                 pieces: 1,
                 face: piece.face,
             });
-            self.circles.push(circle(&pieces.flat[piece.corners()]));
+            let (center, radius) = circle(&pieces.flat[piece.corners()]);
+            self.circles.push((center, radius + pieces.height()));
         }
     }
 

@@ -32,6 +32,7 @@ mod placed_pieces;
 mod routes;
 mod scene;
 mod sides;
+mod solids;
 mod sweep;
 mod tolerances;
 
@@ -41,6 +42,8 @@ pub(crate) use narrow::separation::face_distance;
 pub use pieces::contact_tolerance;
 pub(crate) use routes::{Openness, Routed, SearchEffort, Searched, SearchedSheet};
 pub use scene::{CollisionScene, Crossing};
+pub(crate) use solids::thickest;
+pub use solids::{Plate, PlateError, Plates, Thickest, TooThick};
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 pub use tolerances::CONTACT_EDGES;
 pub(crate) use tolerances::CROSSING_DEPTH_EDGES;

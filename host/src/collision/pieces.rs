@@ -1,17 +1,22 @@
 //! Cuts the faces of a sheet into convex pieces, and measures the crossing depth of two placed pieces.
 
 use core::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 
 use super::convex::{convex_parts, least_width, size};
 use super::narrow::crossing::{Allowed, ConvexPiece, Lean, Overlap, side_crossing_depth};
+use super::narrow::separation::distance;
 use super::sides::Side;
+use super::solids::Plates;
+use super::solids::solid::{PlacedSolid, Solid};
 use super::tolerances::{
-    CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, MAX_ROUNDING_EDGES,
-    MAX_ROUNDING_RATIO, MIN_LEFT_RATIO,
+    CHAIN_ROUNDING_RATIO, CROSSING_DEPTH_EDGES, CROSSING_DEPTH_RATIO, KEPT_BACK_RATIO,
+    MAX_ROUNDING_EDGES, MAX_ROUNDING_RATIO, MIN_LEFT_RATIO,
 };
-use crate::pattern::{CreasePattern, FaceId, Precision, VertexId};
+use crate::folding::Pose;
+use crate::pattern::{CreasePattern, Edge, EdgeId, FaceId, Precision, VertexId};
 
 /// Returns the depth up to which an overlap of two faces counts as contact, in median edges: 1e-6, and what the precision
 /// of the pattern explains, at most 1e-3 more. Coordinates explain ten units of their last digit, goal angles what turning
@@ -110,12 +115,18 @@ pub(super) struct Pieces {
     joints: Vec<Joint>,
     /// For each piece its range of `joints`, once `join` has found them.
     joints_of: Vec<Option<[u32; 2]>>,
+    /// The plates of which the pieces are parts; `None` for pieces without a thickness.
+    plates: Option<Arc<Plates>>,
+    /// For each piece of plates its solid.
+    solids: Vec<Solid>,
+    /// For each piece of plates its range of a list of the points of all solids.
+    hulls: Vec<[u32; 2]>,
 }
 
 impl Pieces {
-    /// Cuts all faces and finds the sides that the pieces share. Cost: O(faces).
-    pub(super) fn new(pattern: &CreasePattern) -> Self {
-        let mut pieces = Self::none(pattern);
+    /// Cuts all faces and finds the sides that the pieces share. With plates, cuts these. Cost: O(faces).
+    pub(super) fn new(pattern: &CreasePattern, plates: Option<&Arc<Plates>>) -> Self {
+        let mut pieces = Self::none(pattern, plates);
         for face in (0..pattern.faces().len()).map(FaceId::new) {
             pieces.load(pattern, face);
         }
@@ -131,29 +142,130 @@ impl Pieces {
         (a != b).then_some([a, b])
     }
 
-    /// Returns an empty list, to which `load` adds the pieces of a face on request.
-    pub(super) fn none(pattern: &CreasePattern) -> Self {
+    /// Returns an empty list, to which `load` adds the pieces of a face or a plate on request.
+    pub(super) fn none(pattern: &CreasePattern, plates: Option<&Arc<Plates>>) -> Self {
         Self {
             of_faces: vec![[0; 2]; pattern.faces().len()],
+            plates: plates.cloned(),
             ..Self::default()
         }
     }
 
-    /// Returns the pieces of a face, and cuts the face if this has not been done yet.
+    /// Returns the pieces of a face, and cuts the face if this has not been done yet. The pieces of a plate are those of the
+    /// face that names it.
     pub(super) fn load(&mut self, pattern: &CreasePattern, face: FaceId) -> Range<u32> {
+        let plates = self.plates.clone();
+        let plate = plates
+            .as_ref()
+            .map(|plates| (plates, &plates.list[plates.of_face[face.index()]]));
+        let face = plate.map_or(face, |(_, plate)| plate.faces[0]);
         if self.of_faces[face.index()] == [0; 2] {
             let start = self.list.len();
-            let size = size(pattern, &pattern.faces()[face.index()]);
-            for part in convex_parts(pattern, face) {
+            let cycle = plate.map_or(&pattern.faces()[face.index()], |(_, plate)| {
+                &plate.corners[..]
+            });
+            let size = size(pattern, cycle);
+            let parts = plate.map_or_else(
+                || convex_parts(pattern, face),
+                |(_, plate)| plate.parts.clone(),
+            );
+            for part in parts {
                 self.add(pattern, face, &part);
                 let corners = self.list[self.list.len() - 1].corners();
                 self.sizes.push(size.min(least_width(&self.flat[corners])));
+                if let Some((plates, plate)) = plate {
+                    self.add_solid(Solid::new(pattern, plates, plate, &part), plates);
+                }
             }
             let range = [start, self.list.len()];
             self.of_faces[face.index()] = range.map(|n| FaceId::new(n).0);
         }
         let [start, end] = self.of_faces[face.index()];
         start..end
+    }
+
+    /// Adds the solid of the last piece. No overlap is contact that is deeper than a part of the thickness.
+    fn add_solid(&mut self, solid: Solid, plates: &Plates) {
+        let start = self.hulls.last().map_or(0, |[_, end]| *end);
+        let end = start as usize + solid.points.len();
+        self.hulls.push([start, FaceId::new(end).0]);
+        self.solids.push(solid);
+        if let Some(size) = self.sizes.last_mut() {
+            *size = size.min(plates.options.thickness);
+        }
+    }
+
+    /// Returns the largest distance of a point of a piece from the plane of its face.
+    pub(super) fn height(&self) -> f64 {
+        self.plates.as_ref().map_or(0.0, |plates| plates.reach())
+    }
+
+    /// Returns `true` for the pieces of plates.
+    pub(super) fn are_solid(&self) -> bool {
+        self.plates.is_some()
+    }
+
+    /// Returns the solid of a piece, if it is a part of a plate.
+    pub(super) fn solid(&self, piece: u32) -> Option<&Solid> {
+        self.solids.get(piece as usize)
+    }
+
+    /// Returns the range of a piece in a list of the points that span all pieces: their corners, or the points of solids.
+    pub(super) fn hull(&self, piece: u32) -> Range<usize> {
+        match self.hulls.get(piece as usize) {
+            Some(&[start, end]) => start as usize..end as usize,
+            None => self.list[piece as usize].corners(),
+        }
+    }
+
+    /// Returns the number of points that span all pieces.
+    pub(super) fn hull_points(&self) -> usize {
+        self.hulls
+            .last()
+            .map_or(self.flat.len(), |[_, end]| *end as usize)
+    }
+
+    /// Places the points that span a piece, in their order.
+    pub(super) fn place(&self, piece: u32, pose: &Pose, mut put: impl FnMut(Vector3<f64>)) {
+        match self.solid(piece) {
+            Some(solid) => solid.points.iter().for_each(|point| put(pose.carry(point))),
+            None => {
+                let corners = &self.flat[self.list[piece as usize].corners()];
+                corners.iter().for_each(|corner| put(pose.apply(*corner)));
+            }
+        }
+    }
+
+    /// Returns an edge between two pieces of plates from which both stay as far back as its angles ask, if there is one: while
+    /// they turn about it, they lie on their sides of the plane that halves the angle between them.
+    pub(super) fn keeps_back(&self, pattern: &CreasePattern, pair: [u32; 2]) -> Option<EdgeId> {
+        let plates = self.plates.as_ref()?;
+        let [plate, other] = pair
+            .map(|piece| self.list[piece as usize].face)
+            .map(|face| plates.of_face[face.index()]);
+        let slack = KEPT_BACK_RATIO * CROSSING_DEPTH_EDGES * pattern.median_edge();
+        let keeps_back = |edge: &EdgeId| {
+            let Edge { ends, .. } = *pattern.edge(*edge);
+            let tangents = plates.tangents(pattern, *edge);
+            pair.into_iter().all(|piece| {
+                let back = [ends[1], ends[0]];
+                // `has_side` looks for a side in the opposite direction.
+                let line = [ends, back]
+                    .into_iter()
+                    .find(|line| self.has_side(piece, [line[1], line[0]]));
+                line.is_some_and(|line| {
+                    let line = line.map(|end| pattern.vertices()[end.index()]);
+                    self.solids[piece as usize].keeps_back(line, tangents, slack)
+                })
+            })
+        };
+        let between = |edge: &&EdgeId| {
+            let faces = pattern.edge(**edge).inner_faces();
+            let plates = faces.map(|faces| faces.map(|face| plates.of_face[face.index()]));
+            plates == Some([plate, other]) || plates == Some([other, plate])
+        };
+        let sides = plates.list[plate].sides.iter();
+        sides.filter(between).copied().find(|edge| keeps_back(edge))
     }
 
     /// Returns the size of the smaller of the faces of two pieces.
@@ -312,9 +424,46 @@ pub(super) struct Placed<'a> {
     /// Position of each corner in space (`folded`), and unit normal of each piece (`normals`).
     pub(super) folded: &'a [Vector3<f64>],
     pub(super) normals: &'a [Vector3<f64>],
+    /// Positions of the points of solids (`hulls`), and poses of their pieces; empty for pieces without a thickness.
+    pub(super) hulls: &'a [Vector3<f64>],
+    pub(super) poses: &'a [Pose],
 }
 
 impl<'a> Placed<'a> {
+    /// Returns a solid, if the piece is a part of a plate.
+    pub(super) fn solid(&self, index: u32) -> Option<PlacedSolid<'a>> {
+        let solid = self.pieces.solid(index)?;
+        Some(PlacedSolid {
+            solid,
+            pose: &self.poses[index as usize],
+            points: &self.hulls[self.pieces.hull(index)],
+        })
+    }
+
+    /// Returns both pieces as solids, if they are parts of plates.
+    pub(super) fn solids(&self, [a, b]: [u32; 2]) -> Option<[PlacedSolid<'a>; 2]> {
+        Some([self.solid(a)?, self.solid(b)?])
+    }
+
+    /// Returns the distance of two pieces; 0 if they overlap.
+    pub(super) fn distance(&self, pair: [u32; 2]) -> f64 {
+        match self.solids(pair) {
+            Some([a, b]) if a.separation(&b) > 0.0 => a.distance(&b),
+            Some(_) => 0.0,
+            None => distance(&self.piece(pair[0]), &self.piece(pair[1])),
+        }
+    }
+
+    /// Returns the points that span a piece.
+    pub(super) fn hull(&self, index: u32) -> &'a [Vector3<f64>] {
+        let points = if self.pieces.are_solid() {
+            self.hulls
+        } else {
+            self.folded
+        };
+        &points[self.pieces.hull(index)]
+    }
+
     pub(super) fn piece(&self, index: u32) -> ConvexPiece<'a> {
         ConvexPiece {
             corners: &self.folded[self.pieces.list[index as usize].corners()],
@@ -326,6 +475,14 @@ impl<'a> Placed<'a> {
     /// contact at most.
     #[inline]
     pub(super) fn depth(&self, [a, b]: [u32; 2], allowed: Allowed) -> f64 {
+        if let Some([a, b]) = self.solids([a, b]) {
+            let depth = -a.separation(&b);
+            return if depth > allowed.largest() {
+                depth
+            } else {
+                0.0
+            };
+        }
         let [first, second] = [a, b].map(|index| self.piece(index));
         let tolerance = allowed.within;
         let reach = first.reach(&second, tolerance);
@@ -356,6 +513,10 @@ impl<'a> Placed<'a> {
     /// Returns by how much points of two pieces may approach each other at least until an overlap is no longer contact. The
     /// pieces are apart by a distance or an angle above 0, or else overlap. `turn` bounds the turn until then, radians.
     pub(super) fn left(&self, pair: [u32; 2], apart: f64, turn: f64, allowed: Allowed) -> f64 {
+        if self.pieces.are_solid() {
+            // The least way that parts solids shrinks by no more than their points approach each other.
+            return allowed.largest();
+        }
         let [a, b] = pair.map(|index| self.piece(index));
         let lean = Lean::of(&a, &b, turn);
         let reaches = || [a.reach(&b, 0.0), b.reach(&a, 0.0)];

@@ -50,6 +50,9 @@ pub(super) struct PlacedPieces<'a> {
     /// Positions of the corners that were placed, and normals of the pieces.
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
+    /// Positions of the points of solids that were placed, and poses of their pieces.
+    hulls: Vec<Vector3<f64>>,
+    poses: Vec<Pose>,
     open: Vec<u32>,
 }
 
@@ -73,6 +76,8 @@ impl<'a> PlacedPieces<'a> {
             placed: Vec::new(),
             folded: Vec::new(),
             normals: Vec::new(),
+            hulls: Vec::new(),
+            poses: Vec::new(),
             open: Vec::new(),
         }
     }
@@ -211,6 +216,18 @@ impl<'a> PlacedPieces<'a> {
         for corner in part.corners() {
             self.folded[corner] = pose.apply(self.pieces.flat[corner]);
         }
+        if self.pieces.are_solid() {
+            self.hulls
+                .resize(self.pieces.hull_points(), Vector3::zeros());
+            self.poses.resize(self.pieces.list.len(), Pose::identity());
+            self.poses[piece as usize] = pose;
+            let mut points = self.hulls[self.pieces.hull(piece)].iter_mut();
+            self.pieces.place(piece, &pose, |at| {
+                if let Some(point) = points.next() {
+                    *point = at;
+                }
+            });
+        }
     }
 
     /// Returns the placed pieces.
@@ -219,6 +236,8 @@ impl<'a> PlacedPieces<'a> {
             pieces: &self.pieces,
             folded: &self.folded,
             normals: &self.normals,
+            hulls: &self.hulls,
+            poses: &self.poses,
         }
     }
 

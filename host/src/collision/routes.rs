@@ -15,10 +15,12 @@
 //! | [`SearchEffort::PICTURE_SHAPE`]: clearance of a shape | like the motion | 200,000 | like the motion |
 
 use core::cell::OnceCell;
+use std::sync::Arc;
 
 use foldpath_core::{Curve, Membership};
 
 use super::pieces::contact_tolerance;
+use super::solids::Plates;
 use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use super::tolerances::CROSSING_DEPTH_EDGES;
 use crate::lattice::Lattice;
@@ -99,6 +101,8 @@ pub(crate) struct SearchedSheet<'a> {
     pub(crate) contact: f64,
     /// The lattice, once requested.
     lattice: OnceCell<Option<Lattice>>,
+    /// The plates of which the panels are made, if they have a thickness.
+    plates: Option<Arc<Plates>>,
     watch: Watch<'a>,
 }
 
@@ -116,7 +120,16 @@ impl<'a> SearchedSheet<'a> {
             memberships,
             contact: contact.unwrap_or_else(|| contact_tolerance(pattern)),
             lattice: OnceCell::new(),
+            plates: None,
             watch,
+        }
+    }
+
+    /// Makes the panels of the sheet plates.
+    pub(crate) fn made_of(self, plates: Arc<Plates>) -> Self {
+        Self {
+            plates: Some(plates),
+            ..self
         }
     }
 
@@ -213,6 +226,10 @@ impl<'a> SearchedSheet<'a> {
     fn lattice(&self, effort: &SearchEffort, openness: Openness) -> Option<&Lattice> {
         let large = self.pattern.faces().len() > effort.lattice_above_faces;
         let used = large && (effort.torn_lattice || !self.is_torn(openness.gap));
+        // The lattice of faces is that of plates if each is one face, and if no tear moves points far from the hinges.
+        let is_torn = self.is_torn(openness.gap);
+        let is_lattice = |plates: &Arc<Plates>| plates.are_faces() && !is_torn;
+        let used = used && self.plates.as_ref().is_none_or(is_lattice);
         let find = || Lattice::find(self.pattern, self.memberships);
         used.then(|| self.lattice.get_or_init(find).as_ref())?
     }
@@ -254,7 +271,9 @@ impl<'a> SearchedSheet<'a> {
     }
 
     fn sweep<'s>(&'s self, options: SweepOptions, lattice: Option<&'s Lattice>) -> Sweep<'s> {
-        Sweep::new(self.pattern, self.memberships, options, lattice).watched(self.watch)
+        let plates = self.plates.as_ref();
+        Sweep::of_plates(self.pattern, self.memberships, options, lattice, plates)
+            .watched(self.watch)
     }
 }
 

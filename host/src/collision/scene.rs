@@ -58,7 +58,7 @@ impl CollisionScene {
     /// Creates the scene of a pattern. Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern) -> Self {
-        let pieces = Pieces::new(pattern);
+        let pieces = Pieces::new(pattern, None);
         Self {
             folded: pieces.flat.iter().map(|p| p.push(0.0)).collect(),
             normals: vec![Vector3::z(); pieces.list.len()],
@@ -97,6 +97,8 @@ impl CollisionScene {
             pieces,
             folded: &self.folded,
             normals: &self.normals,
+            hulls: &[],
+            poses: &[],
         };
         let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
             // Few pairs overlap, so that few tears are measured.

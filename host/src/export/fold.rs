@@ -190,6 +190,13 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
         if !motion.phases.is_empty() {
             file.list("foldpath:phases", &motion.phases)?;
         }
+        if let Some(plates) = &motion.plates {
+            file.set("foldpath:thickness", &plates.thickness)?;
+            file.set("foldpath:hingePlane", &plates.hinge_plane)?;
+            file.set("foldpath:panels", plates.sides.name())?;
+            file.set("foldpath:panelGap", &plates.gap)?;
+            file.set("foldpath:margin", &degrees(plates.margin))?;
+        }
         let out = file.key("file_frames")?;
         let mut before = "[\n{";
         for knot in &motion.knots {

@@ -37,7 +37,9 @@ pub struct LatticeMotion {
     /// For each orbit the corners of its faces, reduced.
     corners: Csr<Vector2<f64>>,
     folded: CellConfiguration,
-    /// Positions of `corners` in space, for the cell at the origin.
+    /// Largest distance of a point from the plane of its face, for plates; 0 for faces without a thickness.
+    height: f64,
+    /// Positions of `corners` in space, for the cell at the origin; of plates, those at both heights.
     places: Vec<Vector3<f64>>,
     ball: Ball,
     center: Vector2<f64>,
@@ -91,6 +93,7 @@ impl LatticeMotion {
                 poses: vec![Pose::identity(); lattice.orbits().len()],
                 steps: [still; 2],
             },
+            height: 0.0,
             places: Vec::new(),
             ball: Ball::default(),
             center,
@@ -103,6 +106,17 @@ impl LatticeMotion {
             .collect();
         motion.fold(&[]);
         motion
+    }
+
+    /// Makes the faces plates, of which no point is farther from the plane of its face than `height`.
+    #[must_use]
+    pub(crate) fn with_height(mut self, height: f64) -> Self {
+        self.height = height;
+        for (_, reach) in &mut self.reaches {
+            *reach += height;
+        }
+        self.place();
+        self
     }
 
     /// Goes to the configuration with these half fold angles of the crease groups; groups without one are flat.
@@ -129,6 +143,15 @@ impl LatticeMotion {
         for (pose, corners) in self.folded.poses.iter().zip(self.corners.iter()) {
             self.places
                 .extend(corners.iter().map(|&corner| pose.apply(corner)));
+            if self.height > 0.0 {
+                let up = pose.normal() * self.height;
+                let middle = self.places.len() - corners.len();
+                for corner in middle..self.places.len() {
+                    let at = self.places[corner];
+                    self.places[corner] = at + up;
+                    self.places.push(at - up);
+                }
+            }
         }
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
         let center = self.places.iter().sum::<Vector3<f64>>() / self.places.len() as f64;
@@ -197,6 +220,16 @@ impl LatticeMotion {
 
     pub(super) fn folded(&self) -> &CellConfiguration {
         &self.folded
+    }
+
+    /// Returns the number of points of an orbit among [`places`](Self::places).
+    pub(super) fn places_of(&self, orbit: u32) -> usize {
+        let corners = self.corners(orbit).len();
+        if self.height > 0.0 {
+            2 * corners
+        } else {
+            corners
+        }
     }
 
     /// Returns the corners of the faces of the cell in space, orbit after orbit.

@@ -252,7 +252,7 @@ impl LatticeMotionBounds {
         let (mut most, mut radius) = (Parts::<f64>::default(), 0.0_f64);
         for (orbit, error) in (0..).zip(motion.deviations(variations)) {
             let mut curve = 0.0_f64;
-            for (from, moved) in three.by_ref().take(motion.corners(orbit).len()) {
+            for (from, moved) in three.by_ref().take(motion.places_of(orbit)) {
                 curve = curve.max(moved);
                 radius = radius.max((from - center).norm_squared());
             }

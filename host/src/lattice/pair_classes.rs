@@ -84,6 +84,25 @@ impl Lattice {
         columns.collect()
     }
 
+    /// Returns all pairs of faces of the class. Cost: O(faces of the orbit) times a logarithm.
+    pub(crate) fn pairs_of(&self, class: PairClass) -> impl Iterator<Item = [FaceId; 2]> + '_ {
+        let [orbit, other] = class.orbits;
+        let [dx, dy] = class.offset;
+        let from = self.orbits().get(orbit as usize);
+        let rows = from.into_iter().flat_map(move |from| {
+            let rows = from.low[1]..=from.high[1];
+            rows.flat_map(move |row| {
+                self.row(from, row)
+                    .iter()
+                    .map(move |&(column, face)| ([column, row], face))
+            })
+        });
+        rows.filter_map(move |([column, row], face)| {
+            let cell = [column.checked_add(dx)?, row.checked_add(dy)?];
+            Some([face, self.face_at(LatticeCoord { orbit: other, cell })?])
+        })
+    }
+
     /// Returns a pair of faces of the class, if the sheet has one, preferably in the middle of the sheet and not at its
     /// border. Cost: logarithmic if there is a pair in the middle, else up to O(faces of the orbit) times a logarithm.
     #[must_use]

@@ -4,10 +4,16 @@
 //! Between two knots each group follows a [`Curve`] that the [`Interpolation`] determines. The planner makes motions,
 //! the FOLD reader reads them, and everything that judges, draws, exports or sends a path takes one.
 
+mod plates;
+
 use std::sync::Arc;
 
 use foldpath_core::{Curve, GroupId, Interpolation, Membership, Node};
 use nalgebra::Vector3;
+
+pub use plates::{
+    GAP, HINGE_PLANE, MARGIN_DEG, MAX_PLATE_ANGLE_DEG, PlateOptions, PlateSides, THICKNESS,
+};
 
 use crate::pattern::{CreasePattern, EdgeId, Unit};
 
@@ -38,6 +44,8 @@ pub struct Motion {
     /// Numbers of the knots at which another phase of the motion begins, in increasing order, without the first and the
     /// last knot.
     pub phases: Vec<usize>,
+    /// The plates of which the panels are made; `None` for panels without a thickness.
+    pub plates: Option<PlateOptions>,
 }
 
 /// Answer of the planner that made a motion.
@@ -153,6 +161,7 @@ impl Motion {
             answer: None,
             knots: vec![Knot::default()],
             phases: Vec::new(),
+            plates: None,
         }
     }
 
@@ -381,6 +390,7 @@ impl Motion {
         let factor = self.pattern.unit()?.metres();
         let mut motion = self.clone();
         motion.pattern = Arc::new(self.pattern.scaled(factor, Unit::Metre)?);
+        motion.plates = self.plates.map(|plates| plates.scaled(factor));
         for knot in &mut motion.knots {
             knot.vertices.iter_mut().for_each(|at| *at *= factor);
         }

@@ -6,6 +6,7 @@ use super::reason::{
     FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,
     WorstClosure,
 };
+use crate::collision::{Crossing, Thickest, TooThick};
 use crate::pattern::EdgeId;
 
 /// Largest number of edges that a sentence names.
@@ -63,6 +64,13 @@ impl Display for Undecided {
                 f.write_str("crossings are not decided: the search gave up")?;
                 if let Some([a, b]) = faces {
                     write!(f, " at the pair of faces {a} and {b}")?;
+                }
+                write!(f, " between knots {segment} and {}", segment + 1)
+            }
+            Self::Plates { faces, segment } => {
+                f.write_str("crossings of plates are not decided: the search gave up")?;
+                if let Some([a, b]) = faces {
+                    write!(f, " at panels {a} and {b}")?;
                 }
                 write!(f, " between knots {segment} and {}", segment + 1)
             }
@@ -200,6 +208,17 @@ impl Display for Reason {
             Self::NoFoldSequence => {
                 f.write_str("no sequence of folds was found that is free of crossings")
             }
+            Self::PlatesCross {
+                faces: [a, b],
+                thickness,
+                segment,
+            } => write!(
+                f,
+                "panels {a} and {b} pass through each other between knots {segment} and {} if they are plates {thickness} \
+                 thick",
+                segment + 1
+            ),
+            Self::PlatesNotMade(error) => error.fmt(f),
             Self::NoWayRound => f.write_str("no way round the crossing was found"),
         }
     }
@@ -295,6 +314,10 @@ impl Display for Note {
             Self::NotStraightened(how) => {
                 write!(f, "time ran out before the sheet was planned {how}")
             }
+            Self::PlatesNotJudged => {
+                f.write_str("plates were not judged: they are judged along a path that reaches its goal")
+            }
+            Self::Thickest(found) => thickest_in_words(found, f),
             Self::FoundAtRandom => f.write_str("the path was found by the randomised search"),
             Self::Snapped { turned } => write!(
                 f,
@@ -396,4 +419,27 @@ impl Display for Note {
             ),
         }
     }
+}
+
+/// Says how thick plates may be, and what is in the way of thicker ones.
+fn thickest_in_words(found: &Thickest, f: &mut Formatter<'_>) -> Result {
+    write!(
+        f,
+        "plates up to {:.6} thick are proved to fold",
+        found.proved
+    )?;
+    match found.refuted {
+        None => f.write_str("; none is too thick, up to the width of the sheet")?,
+        Some((thickness, TooThick::NotMade(error))) => write!(f, "; at {thickness:.6}, {error}")?,
+        Some((thickness, TooThick::Cross(Crossing { faces: [a, b], .. }, at))) => write!(
+            f,
+            "; at {thickness:.6}, panels {a} and {b} pass through each other between knots {} and {}",
+            at.segment,
+            at.segment + 1
+        )?,
+    }
+    if found.is_open {
+        f.write_str("; between the two the search gave up")?;
+    }
+    Ok(())
 }

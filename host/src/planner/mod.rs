@@ -53,7 +53,7 @@
 //! < placement (overshoot, reachability < timing < reduced_path < segment < knot_placer < knot_placement)
 //! < lifting (lifted < certified_motion < measured_motion, swept_motion < whole_sheet)
 //! < strategies (arrival, simple_folds < pipeline < rows < stops < fold_sequence, rings < split_phases, way_round,
-//! bending, lines, advice < driver)
+//! bending, lines, advice, plates < driver)
 //! ```
 
 mod closing;
@@ -82,8 +82,8 @@ pub use following::reduction::CLOSED;
 pub use goal::{CHOSEN_REACH, Goal, GoalError, GoalKind};
 pub use options::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG, HingeLimit,
-    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, OptionsError, PlanOptions, Search, Skips,
-    Solver, Symmetry, Timing, Vertices,
+    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, OptionsError, PlanOptions, PlateRequest,
+    Search, Skips, Solver, Symmetry, Timing, Vertices,
 };
 pub use placement::overshoot::Overshoot;
 pub use placement::timing;

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use crate::collision::CONTACT_EDGES;
 use crate::folding::{BOUND, DEFAULT_BOUND};
+use crate::motion::PlateOptions;
 use crate::pattern::{BEND_DEG, CreaseId};
 use crate::util::range::Range;
 
@@ -104,6 +105,49 @@ pub struct HingeLimit {
     pub upper: f64,
 }
 
+/// Thickness of plates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Thickness {
+    /// That of the options.
+    Given,
+    /// The largest that is proved.
+    Max,
+}
+
+/// Plates that are asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlateRequest {
+    pub(super) thickness: Thickness,
+    pub(super) plates: PlateOptions,
+}
+
+impl PlateRequest {
+    /// Returns plates of this thickness.
+    #[must_use]
+    pub fn given(plates: PlateOptions) -> Self {
+        Self {
+            thickness: Thickness::Given,
+            plates,
+        }
+    }
+
+    /// Returns these plates with some of their options changed.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut PlateOptions)) -> Self {
+        change(&mut self.plates);
+        self
+    }
+
+    /// Returns plates as thick as the motion allows; the thickness of `plates` does not count.
+    #[must_use]
+    pub fn thickest(plates: PlateOptions) -> Self {
+        Self {
+            thickness: Thickness::Max,
+            plates,
+        }
+    }
+}
+
 /// Options of [`plan`](super::plan).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -155,6 +199,8 @@ pub struct PlanOptions {
     pub orders: usize,
     /// `true` if each knot keeps the folded positions of the vertices: 24 bytes for each vertex and knot.
     pub keep_vertices: bool,
+    /// Plates of which the panels are to be made; `None` for panels without a thickness.
+    pub plates: Option<PlateRequest>,
 }
 
 impl Default for PlanOptions {
@@ -182,6 +228,7 @@ impl Default for PlanOptions {
             timeout: None,
             orders: 0,
             keep_vertices: true,
+            plates: None,
         }
     }
 }

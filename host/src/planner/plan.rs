@@ -9,7 +9,7 @@ use super::reason::{Note, Reason, Undecided};
 use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion, PLANNED};
-use crate::pattern::CreaseId;
+use crate::pattern::{CreaseId, FaceId};
 use crate::util::clock::Instant;
 
 /// Largest turn of a crease that rests in a step, radians.
@@ -40,6 +40,13 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// The answer to plates of which nothing is left where they hold a hinge, or that cannot turn as far as the motion does:
+    /// their material is in the way.
+    pub(crate) const MATERIAL_IN_THE_WAY: Self = Self::Crossing(Crossing {
+        faces: [FaceId(0); 2],
+        depth: 0.0,
+    });
+
     /// The answers to paths that do not come to the goal, for want of a closed way or of a closed goal.
     pub(crate) const FALLS_SHORT: [Self; 3] = [Self::Partial, Self::NearGoal, Self::GoalNotClosed];
 
@@ -194,6 +201,11 @@ pub struct Plan {
     pub undecided: Vec<Undecided>,
     /// Strategies that were tried, in this order.
     pub attempts: Vec<Attempt>,
+    /// Thickness of the plates that the motion is proved for, units of the sheet; `None` for panels without a thickness.
+    pub thickness: Option<f64>,
+    /// Thickness up to which plates are proved to be free of crossings, and one at which they are not, units of the sheet, if
+    /// it was asked for.
+    pub max_thickness: Option<[f64; 2]>,
 }
 
 /// Steps in which creases turn one after the other.

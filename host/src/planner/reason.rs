@@ -1,6 +1,7 @@
 //! Reasons of an answer and remarks on it, as data: what happened, where, and by how much. The sentences are made of
 //! them in `messages.rs`.
 
+use crate::collision::{PlateError, Thickest};
 use crate::folding::Rigidity;
 use crate::pattern::{ClosureSite, EdgeId, FaceId};
 use crate::straighten::Straightened;
@@ -76,6 +77,13 @@ pub enum Undecided {
     CrossingsAtKnots {
         /// Number of faces.
         faces: usize,
+    },
+    /// The search for crossings of plates gave up.
+    Plates {
+        /// Faces of the two panels that are not decided, if they are known.
+        faces: Option<[FaceId; 2]>,
+        /// Number of the knot after which they are not decided.
+        segment: usize,
     },
 }
 
@@ -215,6 +223,17 @@ pub enum Reason {
     NoFoldSequence,
     /// The faces that cross could not be led round each other.
     NoWayRound,
+    /// Plates pass through each other on the path of the sheet without a thickness.
+    PlatesCross {
+        /// Faces of the two panels.
+        faces: [FaceId; 2],
+        /// Thickness of the plates, units of the sheet.
+        thickness: f64,
+        /// Number of the knot after which they cross.
+        segment: usize,
+    },
+    /// The panels cannot be plates.
+    PlatesNotMade(PlateError),
 }
 
 /// Reason why crease groups were dropped.
@@ -257,6 +276,10 @@ pub enum Note {
     NotStraightened(Straightened),
     /// The path was found by the randomised search.
     FoundAtRandom,
+    /// Plates were asked for, but there is no path to the goal on which to judge them.
+    PlatesNotJudged,
+    /// How thick the plates may be.
+    Thickest(Thickest),
     /// Creases count as turned, so that the sheet folds flat exactly.
     Snapped {
         /// Largest angle by which a crease is turned, radians.

@@ -104,6 +104,8 @@ answers! {
         seed: u64 = request.seed;
         unit: Option<&'static str> = pattern.unit().map(Unit::name);
         precision: PrecisionJson = PrecisionJson::of(pattern.precision());
+        thickness: Option<f64> = plan.thickness;
+        max_thickness: Option<[f64; 2]> = plan.max_thickness;
     }
 
     /// Units of the last digit of a pattern's numbers: of its coordinates, and of its goal angles in degrees. Exact numbers

@@ -11,18 +11,19 @@ use foldpath_core::{Interpolation, Objective};
 use super::error::RequestError;
 use super::order::Order;
 use super::table::{self, options};
-use super::values::{EdgeAngles, Frames, Switch};
+use super::values::{EdgeAngles, Frames, HingePlane, Switch, Thickness};
 use crate::check::CheckOptions;
 use crate::collision::CONTACT_EDGES;
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::export::{Drives, ExportOptions, USUAL_RESOLUTION_DEG};
 use crate::folding::{BOUND, DEFAULT_BOUND};
+use crate::motion::{GAP, MARGIN_DEG, PlateOptions, PlateSides};
 use crate::pattern::{BEND_DEG, Letter, Unit};
 use crate::planner::{
     DEFAULT_GOAL_TOLERANCE_DEG, DEFAULT_MAX_SPEED_DEG_PER_S, GOAL_TOLERANCE_DEG,
-    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, Search, Solver, Symmetry,
-    Timing, Vertices,
+    MAX_ACCELERATION_DEG_PER_S2, MAX_SPEED_DEG_PER_S, PlanOptions, PlateRequest, Search, Solver,
+    Symmetry, Timing, Vertices,
 };
 use crate::read::{ColourLetters, LayerLetters, ReadOptions, Straighten, TOLERANCE};
 use crate::util::range::Range;
@@ -76,6 +77,34 @@ options! {
         /// Largest distance of a crease from its goal angle at the end of the path, degrees
         goal_tolerance: f64 = DEFAULT_GOAL_TOLERANCE_DEG, heading: "Goal", value_name: "DEG",
             range: Some(GOAL_TOLERANCE_DEG) => |plan, degrees| plan.goal_tolerance = degrees.to_radians();
+
+        /// Make the panels plates of this thickness, in the drawing's unit, or as thick as the motion allows (max)
+        ///
+        /// The motion is that of the thin sheet; plates are trimmed at hinges as far as it needs, and are judged along it: no
+        /// two of them may pass through each other. With max the answer names a thickness that is proved, and one at most 1 %
+        /// larger that is not possible, with what is in the way.
+        thickness: Option<Thickness> = None, heading: "Plates", value_name: "T|max" => |plan, thickness| {
+            plan.plates = thickness.map(|thickness| match thickness {
+                Thickness::Length(length) => PlateRequest::given(PlateOptions::of_thickness(length)),
+                Thickness::Max => PlateRequest::thickest(PlateOptions::of_thickness(0.0)),
+            });
+        };
+
+        /// Height of the hinges in the plates: middle, top, bottom, or a fraction of the thickness from the lower face
+        hinge_plane: HingePlane = HingePlane::default(), heading: "Plates", value_name: "PLACE", requires: "thickness"
+            => |plan, plane| plates(plan, |it| it.hinge_plane = plane.0);
+
+        /// Sides of plates at hinges
+        panels: PlateSides = PlateSides::default(), heading: "Plates", requires: "thickness"
+            => |plan, sides| plates(plan, |it| it.sides = *sides);
+
+        /// With --panels inset: least distance of the sides of plates from a hinge, in the drawing's unit
+        gap: f64 = 0.0, heading: "Plates", value_name: "LENGTH", requires: "thickness", range: Some(GAP)
+            => |plan, gap| plates(plan, |it| it.gap = *gap);
+
+        /// Angle by which hinges could turn farther than the motion does before plates touch, degrees
+        margin: f64 = 0.0, heading: "Plates", value_name: "DEG", requires: "thickness", range: Some(MARGIN_DEG)
+            => |plan, degrees| plates(plan, |it| it.margin = degrees.to_radians());
 
         /// Keep the hinge at edge I of the file between two angles in degrees; repeatable
         ///
@@ -267,6 +296,13 @@ options! {
         /// With traj or rust: loss of the speed in a second when the controller brakes, in full speeds
         brake: f64 = Drives::USUAL.brake, value_name: "PER_S", range: Some(Range::above("a rate in 1/s", 0.0))
             => |export, brake| export.drives.brake = *brake;
+    }
+}
+
+/// Changes the plates that are asked for, if there are some.
+fn plates(plan: &mut PlanOptions, change: impl FnOnce(&mut PlateOptions)) {
+    if let Some(request) = &mut plan.plates {
+        *request = request.with(|it| change(it));
     }
 }
 

@@ -8,6 +8,7 @@ use super::table::{Kind, OptionValue, word};
 use crate::export::csv::Column;
 use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
+use crate::motion::{HINGE_PLANE, PlateSides, THICKNESS};
 use crate::pattern::{Letter, Unit};
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::{ColourLetters, LayerLetters, Straighten};
@@ -92,6 +93,76 @@ macro_rules! lists {
             }
         })*
     };
+}
+
+/// Thickness of plates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Thickness {
+    /// A length, in units of the sheet.
+    Length(f64),
+    /// As thick as the motion allows.
+    Max,
+}
+
+impl OptionValue for Thickness {
+    const KIND: Kind = Kind::Text;
+
+    fn read(value: &Value) -> Result<Self, String> {
+        word(value, "a length above 0, or max", |word| match word {
+            "max" => Some(Self::Max),
+            number => number
+                .parse()
+                .ok()
+                .filter(|length| THICKNESS.contains(*length))
+                .map(Self::Length),
+        })
+    }
+
+    fn json(&self) -> Value {
+        match self {
+            Self::Length(length) => Value::from(*length),
+            Self::Max => "max".into(),
+        }
+    }
+}
+
+/// Height of the hinge plane in a plate, over its thickness: 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingePlane(pub f64);
+
+impl HingePlane {
+    const NAMES: [(&'static str, f64); 3] = [("bottom", 0.0), ("middle", 0.5), ("top", 1.0)];
+}
+
+impl Default for HingePlane {
+    fn default() -> Self {
+        Self(0.5)
+    }
+}
+
+impl OptionValue for HingePlane {
+    const KIND: Kind = Kind::Text;
+
+    fn read(value: &Value) -> Result<Self, String> {
+        word(
+            value,
+            "middle, top, bottom or a fraction from 0 to 1",
+            |word| {
+                let named = Self::NAMES.iter().find(|(name, _)| *name == word);
+                let fraction =
+                    named.map_or_else(|| word.parse().ok(), |(_, fraction)| Some(*fraction));
+                fraction
+                    .filter(|fraction| HINGE_PLANE.contains(*fraction))
+                    .map(Self)
+            },
+        )
+    }
+
+    #[allow(clippy::float_cmp, reason = "the numbers of the names")]
+    fn json(&self) -> Value {
+        let named = Self::NAMES.iter().find(|(_, fraction)| *fraction == self.0);
+        named.map_or_else(|| Value::from(self.0), |(name, _)| (*name).into())
+    }
 }
 
 lists!(ColourLetters, LayerLetters, Order);
@@ -186,6 +257,10 @@ named! {
         "auto": Self::Auto, "Follow the motion, in phases where faces would cross otherwise";
         "path": Self::Path, "Follow the motion with all creases turning at once";
         "random": Self::Random, "The adaptive randomised search of Xi and Lien (GMU-CS-TR-2015-2)";
+    }
+    PlateSides {
+        "taper": Self::Taper, "Slanted sides at hinges, along which neighbours touch at the largest angle";
+        "inset": Self::Inset, "Upright sides that stay back from the hinges";
     }
     Letters {
         "foldable": Self::Foldable, "The sheet folds";

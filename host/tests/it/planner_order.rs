@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 54] = [
+const ORDER: [&str; 55] = [
     "vectors",
     "goal",
     "knots",
@@ -58,6 +58,7 @@ const ORDER: [&str; 54] = [
     "strategies/bending",
     "strategies/lines",
     "strategies/advice",
+    "strategies/plates",
     "strategies/driver",
 ];
 

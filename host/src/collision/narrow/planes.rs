@@ -82,8 +82,19 @@ pub(in crate::collision) fn parted(
     let lean = Lean::of(piece, other, 0.0);
     let flat = flat.map(|(normal, _)| (normal, corners[0], Some(lean)));
     let planes = flat.chain(outward.map(|(normal, point)| (normal, point, None)));
+    parted_by(planes, other.corners, turns, allowed)
+}
+
+/// Returns the planes, each given by its normal and a point, that have some corners ahead of them, up to contact. The planes
+/// are fixed to a piece, and the turns lead from it to that with the corners.
+pub(in crate::collision) fn parted_by(
+    planes: impl Iterator<Item = (Vector3<f64>, Vector3<f64>, Option<Lean>)>,
+    corners: &[Vector3<f64>],
+    turns: &[Turn],
+    allowed: Allowed,
+) -> Vec<Parted> {
     let parts = |(normal, point, lean): &(Vector3<f64>, Vector3<f64>, Option<Lean>)| {
-        let heights = other.corners.iter().map(|c| normal.dot(&(c - point)));
+        let heights = corners.iter().map(|c| normal.dot(&(c - point)));
         heights.fold(f64::INFINITY, f64::min) >= -over_plane(allowed, *lean, 0.0)
     };
     planes
@@ -91,8 +102,7 @@ pub(in crate::collision) fn parted(
         .map(|(normal, point, lean)| Parted {
             turns: turns.iter().map(|turn| turn.group).collect(),
             lean,
-            corners: other
-                .corners
+            corners: corners
                 .iter()
                 .map(|corner| over(normal, point, corner, turns))
                 .collect(),

@@ -225,7 +225,7 @@ impl<'a> Approach<'a> {
         chain: &Chain,
         nodes: [u32; 2],
     ) {
-        let corners = nodes.map(|node| sheet.placed().piece(node).corners.to_vec());
+        let corners = nodes.map(|node| sheet.placed().hull(node).to_vec());
         self.gather(sheet, chain, |side, axis| {
             let away = corners[side].iter().map(|corner| axis.distance(corner));
             away.fold(0.0, f64::max)

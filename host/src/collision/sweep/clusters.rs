@@ -159,23 +159,38 @@ impl Sweep<'_> {
     fn classify(&mut self, [a, b]: [u32; 2]) -> Option<(Kind, Option<Chain>)> {
         let nodes = [a, b].map(|node| self.sheet.hierarchy.nodes[node as usize]);
         let faces = nodes.map(|node| node.face);
-        let chains = &mut self.approach.chains;
         if a == b {
             return nodes[0].children.map(|_| (Kind::Clusters, None));
         }
         if nodes.iter().any(|node| node.children.is_some()) {
-            let chain = chains.find(faces, None)?;
+            let chain = self.approach.chains.find(faces, None)?;
             return Some((Kind::Clusters, Some(chain)));
         }
         if faces[0] == faces[1] {
             return None;
         }
+        let mut shared = self.sheet.pieces.shared(a, b);
+        if self.sheet.pieces.are_solid() {
+            if shared.len() > 1 && self.keeps_back([a, b]) {
+                return None;
+            }
+            let pieces = &self.sheet.pieces;
+            // Cones round a vertex that both solids contain; all else is a distance.
+            let both = |[k, l]: &[u32; 2]| {
+                let mut solids = [(a, *k), (b, *l)].into_iter();
+                solids.all(|(piece, corner)| {
+                    pieces.solid(piece).is_some_and(|it| it.has_apex(corner))
+                })
+            };
+            shared.retain(both);
+            shared.truncate(1);
+        }
         let pieces = &self.sheet.pieces;
-        let shared = pieces.shared(a, b);
         if shared.len() > 1 {
             // The shared vertices are on a line that is a side of both pieces.
             return Some((self.classify_side([a, b], &shared)?, None));
         }
+        let chains = &mut self.approach.chains;
         if let Some(&corners) = shared.first()
             && let Some(chain) = chains.find(faces, Some(pieces.vertex(a, corners[0])))
         {

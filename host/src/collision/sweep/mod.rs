@@ -40,6 +40,7 @@ pub(super) use verdict::Found;
 pub use verdict::{Clearance, Place, SweepCounts, SweepOptions, SweepVerdict};
 
 use core::f64::consts::PI;
+use std::sync::Arc;
 
 use foldpath_core::{Curve, Membership};
 
@@ -54,6 +55,7 @@ use super::pairs::{Batch, LatticePairs, PairSource, SheetPairs};
 use super::pieces::{Contact, Pieces};
 use super::placed_pieces::PlacedPieces;
 use super::scene::Crossing;
+use super::solids::Plates;
 use super::tolerances::{
     CROSSING_DEPTH_EDGES, LAST_FREE_TICKS, OVERTURNED_SEGMENTS, QUERIES_PER_CLOCK,
 };
@@ -117,27 +119,43 @@ impl<'a> Sweep<'a> {
         options: SweepOptions,
         lattice: Option<&'a Lattice>,
     ) -> Self {
+        Self::of_plates(pattern, memberships, options, lattice, None)
+    }
+
+    /// Creates the sweep of a sheet whose panels are plates, if there are some, and otherwise that of faces without a
+    /// thickness.
+    pub(super) fn of_plates(
+        pattern: &'a CreasePattern,
+        memberships: &'a [Membership],
+        options: SweepOptions,
+        lattice: Option<&'a Lattice>,
+        plates: Option<&Arc<Plates>>,
+    ) -> Self {
         let groups = memberships.iter().map(|m| m.group.index() + 1);
         let groups = groups.max().unwrap_or_default();
         let along_lattice = lattice.is_some();
         // Along a lattice, pieces are made when they are requested.
         let (pieces, hierarchy) = if along_lattice {
-            let pieces = Pieces::none(pattern);
+            let pieces = Pieces::none(pattern, plates);
             let hierarchy = Hierarchy::leaves(&pieces);
             (pieces, hierarchy)
         } else {
-            let pieces = Pieces::new(pattern);
+            let pieces = Pieces::new(pattern, plates);
             let hierarchy = Hierarchy::new(&pieces);
             (pieces, hierarchy)
         };
         let deviation = options.lattice_deviation * pattern.median_edge();
         let hinges = (memberships, groups);
         let source: Box<dyn PairSource + 'a> = match lattice {
-            Some(lattice) => Box::new(LatticePairs::new(pattern, hinges, lattice, deviation)),
+            Some(lattice) => Box::new(LatticePairs::new(
+                pattern, hinges, lattice, deviation, plates,
+            )),
             None => Box::new(SheetPairs::new(pattern, hinges, &options)),
         };
         let closure = (!along_lattice).then_some(options.closure);
-        let length = closure.map_or(0.0, |_| 2.0 * pattern.tree().reach(pattern));
+        let length = closure.map_or(0.0, |_| {
+            2.0 * (pattern.tree().reach(pattern) + pieces.height())
+        });
         let loose = options.closure * length + options.left_out * pattern.median_edge();
         Self {
             pattern,

@@ -1,9 +1,11 @@
 //! Queries of a sweep: of a pair for its distance at a time and for how long it stays apart, and of batches of pairs.
 
+use nalgebra::Vector3;
+
 use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
-use crate::collision::narrow::separation::{Sector, distance};
+use crate::collision::narrow::separation::Sector;
 use crate::collision::pairs::{Batch, Now};
 use crate::collision::placed_pieces::PlacedPieces;
 use crate::collision::tolerances::MEASURE_RATIO;
@@ -78,8 +80,7 @@ impl Sweep<'_> {
                 measured += 1;
                 self.found.counts.tested += 1;
                 self.sheet.put([a, b]);
-                let placed = self.sheet.placed();
-                let apart = distance(&placed.piece(a), &placed.piece(b));
+                let apart = self.sheet.placed().distance([a, b]);
                 let place = self.sheet.place();
                 self.found.note(&self.sheet.pieces, [a, b], apart, place);
             }
@@ -124,7 +125,10 @@ impl Sweep<'_> {
         self.found.counts.tested += 1;
         self.sheet.put(nodes);
         let placed = self.sheet.placed();
-        let apart = distance(&placed.piece(nodes[0]), &placed.piece(nodes[1]));
+        let apart = match placed.solids(nodes) {
+            Some([a, b]) => a.separation(&b),
+            None => placed.distance(nodes),
+        };
         let allowed = self.allowed(pair);
         if deviation > 0.0 && apart <= deviation + allowed.largest() {
             return QueryOutcome::Undecided;
@@ -132,8 +136,13 @@ impl Sweep<'_> {
         if let Some(depth) = self.crosses(index, pair, apart) {
             return QueryOutcome::Crossing(depth);
         }
-        if counts {
+        if counts && apart < self.found.best() {
             let place = self.sheet.place();
+            let apart = if self.sheet.pieces.are_solid() {
+                self.sheet.placed().distance(nodes)
+            } else {
+                apart
+            };
             self.found.note(&self.sheet.pieces, nodes, apart, place);
         }
         if let Some(until) = comoving {
@@ -179,6 +188,15 @@ impl Sweep<'_> {
     pub(super) fn between_sectors(&self, nodes: [u32; 2], corners: [u32; 2]) -> [f64; 2] {
         let placed = self.sheet.placed();
         let faces = nodes.map(|node| placed.piece(node));
+        if let Some([a, b]) = placed.solids(nodes) {
+            let angle = a.angle(&b, corners);
+            let away = |k: usize, points: &[Vector3<f64>]| {
+                let apex = faces[k].corners[corners[k] as usize];
+                let away = points.iter().map(|point| (point - apex).norm());
+                away.fold(0.0, f64::max)
+            };
+            return [angle, away(0, a.points).min(away(1, b.points))];
+        }
         let sectors: [Sector; 2] =
             core::array::from_fn(|k| Sector::of(&faces[k], corners[k] as usize));
         let reach = |k: usize| {

@@ -9,6 +9,7 @@ use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::sides::{LEAN_TO_TURN_RATIO, Side};
 use crate::collision::tolerances::MIN_OPENING_RATIO;
+use crate::pattern::EdgeId;
 
 /// Bound on the tear between two pieces that share a side.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +41,19 @@ impl Sweep<'_> {
         (!self.options.skip_edges).then_some(Kind::Joined)
     }
 
+    /// Returns `true` if two solids turn about their common edge, each on its side of the plane that halves the angle between
+    /// them, but for a tear that contact allows.
+    pub(super) fn keeps_back(&mut self, nodes: [u32; 2]) -> bool {
+        let allowed = self.contact.of(&self.sheet.pieces, nodes, 0.0).largest();
+        let circles = nodes.map(|node| self.sheet.hierarchy.circles[node as usize]);
+        let widest = 2.0 * circles[0].1.min(circles[1].1);
+        let edge = self.sheet.pieces.keeps_back(self.pattern, nodes);
+        let tear = edge.map(|edge| self.tear_at(edge, widest));
+        let keeps_back = tear.is_some_and(|tear| tear.moved <= allowed);
+        self.found.joined += u64::from(keeps_back);
+        keeps_back
+    }
+
     /// Returns the least bound on the tear at an edge that joins two pieces, of which one reaches no farther from it than
     /// `reach`; `None` if no edge joins them, as on the two
     /// sides of a slit.
@@ -47,20 +61,23 @@ impl Sweep<'_> {
         let [face, other] = self.sheet.faces(nodes);
         let neighbours = self.pattern.neighbours()[face.index()].iter();
         let edges = neighbours.filter(|(beyond, _)| *beyond == other);
-        let tears = edges.map(|&(_, edge)| {
-            let [turn, shift] = if self.along_lattice {
-                [self.turn, self.deviation]
-            } else {
-                self.approach.chains.ways.tear(edge)
-            };
-            let crease = self.pattern.edge(edge).crease;
-            SideTear {
-                member: crease.and_then(|crease| self.memberships.get(crease.index()).copied()),
-                turn,
-                moved: turn * reach + shift,
-            }
-        });
+        let tears = edges.map(|&(_, edge)| self.tear_at(edge, reach));
         tears.min_by(|a, b| a.moved.total_cmp(&b.moved))
+    }
+
+    /// Returns the bound on the tear at an edge between two pieces, of which one reaches no farther from it than `reach`.
+    fn tear_at(&self, edge: EdgeId, reach: f64) -> SideTear {
+        let [turn, shift] = if self.along_lattice {
+            [self.turn, self.deviation]
+        } else {
+            self.approach.chains.ways.tear(edge)
+        };
+        let crease = self.pattern.edge(edge).crease;
+        SideTear {
+            member: crease.and_then(|crease| self.memberships.get(crease.index()).copied()),
+            turn,
+            moved: turn * reach + shift,
+        }
     }
 
     pub(super) fn query_side(&mut self, index: u32, pair: &Pair, side: &Side) -> QueryOutcome {

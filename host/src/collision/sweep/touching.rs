@@ -5,7 +5,7 @@ use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
-use crate::collision::narrow::planes::{Change, Parted, Turn, parted};
+use crate::collision::narrow::planes::{Change, Parted, Turn, parted, parted_by};
 use crate::collision::narrow::side_planes::SidePlanes;
 use crate::collision::tolerances::{
     KEPT_RATIO, MAX_TEAR_RATIO, PLANES_AFTER, SIDES_AFTER, TOUCHING_RATIO,
@@ -58,6 +58,10 @@ impl Sweep<'_> {
                 return Touch::Crosses(depth);
             }
         } else if pair.above.is_none() {
+            return Touch::Nowhere;
+        }
+        // Solids have an inside, which tells at once whether they pass through each other.
+        if self.sheet.pieces.are_solid() {
             return Touch::Nowhere;
         }
         let Some(heights) = self.heights(pair.nodes, tolerance) else {
@@ -169,14 +173,30 @@ impl Sweep<'_> {
         let planes = both
             .iter()
             .zip(above.map_or([None; 2], |above| above.map(Some)));
-        let planes: Vec<Parted> = planes
-            .flat_map(|(([a, b], turns), above)| parted(&piece(*a), &piece(*b), turns, above, room))
-            .collect();
+        let planes: Vec<Parted> = if let Some(solids) = placed.solids([a, b]) {
+            let [a, b] = &solids;
+            let both = [(a, b, &turns[0]), (b, a, &turns[1])].into_iter();
+            let planes = both.map(|(fixed, moving, turns)| {
+                let planes = fixed.planes().map(|(normal, point)| (normal, point, None));
+                parted_by(planes, moving.points, turns, room)
+            });
+            planes.flatten().collect()
+        } else {
+            planes
+                .flat_map(|(([a, b], turns), above)| {
+                    parted(&piece(*a), &piece(*b), turns, above, room)
+                })
+                .collect()
+        };
         let mut reached = self.held(&groups, [until, next], &mut changes, |changes| {
             planes.iter().any(|plane| plane.holds(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
-        if reached < next && above.is_none() && stalled >= SIDES_AFTER {
+        if reached < next
+            && above.is_none()
+            && stalled >= SIDES_AFTER
+            && !self.sheet.pieces.are_solid()
+        {
             let planes =
                 both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
             reached = self.held(&groups, [reached, next], &mut changes, |changes| {

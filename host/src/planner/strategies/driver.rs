@@ -9,6 +9,7 @@ use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
 use super::phase_samples::turns_freely;
 use super::pipeline::deform;
+use super::plates::judge_plates;
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
@@ -425,8 +426,9 @@ pub fn plan_watched(
         explain(&context, &mut best);
         best
     });
-    best.effort.times = stage_times.times();
     list_own_order(&asked, &mut best);
+    judge_plates(&asked, &mut best);
+    best.effort.times = stage_times.times();
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
     {

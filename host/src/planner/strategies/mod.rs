@@ -10,6 +10,7 @@ pub(super) mod fold_sequence;
 pub(super) mod lines;
 mod phase_samples;
 pub(super) mod pipeline;
+mod plates;
 mod rings;
 mod rows;
 pub(super) mod simple_folds;

@@ -97,6 +97,8 @@ fn plan_of(
         notes: notes.chain(lifted.notes).collect(),
         undecided: lifted.undecided,
         attempts: Vec::new(),
+        thickness: None,
+        max_thickness: None,
     }
 }
 

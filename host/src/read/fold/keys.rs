@@ -11,7 +11,7 @@ const MAX_SHOWN_CHARS: usize = 40;
 
 /// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
 /// keys of this program, which `FORMAT.md` describes.
-const KNOWN: [&str; 51] = [
+const KNOWN: [&str; 56] = [
     "edgeOrders",
     "edges_assignment",
     "edges_faces",
@@ -42,14 +42,19 @@ const KNOWN: [&str; 51] = [
     "foldpath:edges_weight",
     "foldpath:edges_weightRate",
     "foldpath:gap",
+    "foldpath:hingePlane",
     "foldpath:interpolation",
+    "foldpath:margin",
     "foldpath:maxAcceleration",
     "foldpath:maxSpeed",
     "foldpath:outcome",
+    "foldpath:panelGap",
+    "foldpath:panels",
     "foldpath:phases",
     "foldpath:precision",
     "foldpath:reached",
     "foldpath:seed",
+    "foldpath:thickness",
     "foldpath:time",
     "frame_attributes",
     "frame_author",

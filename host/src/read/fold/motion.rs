@@ -9,10 +9,14 @@ use nalgebra::Vector3;
 use super::MAX_FILE_BYTES;
 use super::document::{Document, Frame, Located};
 use super::pattern::{PatternFile, goals, pattern_of, points};
-use crate::motion::{Claims, GroupNaming, Knot, Motion, PlanAnswer, interpolation_name, leaders};
+use crate::motion::{
+    Claims, GAP, GroupNaming, HINGE_PLANE, Knot, MARGIN_DEG, Motion, PlanAnswer, PlateOptions,
+    PlateSides, THICKNESS, interpolation_name, leaders,
+};
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::progress::Watch;
 use crate::read::{FileError, read_bytes};
+use crate::util::range::Range;
 
 /// The numbers of a frame, one for each edge.
 struct EdgeKnot {
@@ -140,6 +144,7 @@ pub fn parse_motion(path: &Path, bytes: &[u8]) -> Result<Motion, FileError> {
         seed: seed(&key),
         answer: answer(&key)?,
         phases: phases(&key, knots.len())?,
+        plates: plates(&key)?,
         knots: knots
             .into_iter()
             .map(|knot| knot.of_groups(&leaders))
@@ -221,6 +226,43 @@ fn answer(key: &Frame<'_>) -> Result<Option<PlanAnswer>, FileError> {
         bound: limit,
         bend: bend?,
     }))
+}
+
+/// Returns the plates that the file names, if it names a thickness.
+fn plates(key: &Frame<'_>) -> Result<Option<PlateOptions>, FileError> {
+    let number = |name: &'static str, range: Range, default: f64| match key.own(name) {
+        None => Ok(default),
+        Some(entry) => {
+            let number = entry.number()?;
+            let is_good = range.contains(number);
+            if is_good {
+                Ok(number)
+            } else {
+                Err(entry.expected(&range.to_string()))
+            }
+        }
+    };
+    if key.own("foldpath:thickness").is_none() {
+        return Ok(None);
+    }
+    let sides = key.own("foldpath:panels").map(|entry| {
+        let name = entry.text()?;
+        let sides = PlateSides::ALL
+            .into_iter()
+            .find(|sides| sides.name() == name);
+        sides.ok_or_else(|| entry.expected("\"taper\" or \"inset\""))
+    });
+    let thickness = number("foldpath:thickness", THICKNESS, 0.0)?;
+    let plates = PlateOptions::of_thickness(thickness);
+    let [plane, gap] = [
+        number("foldpath:hingePlane", HINGE_PLANE, plates.hinge_plane)?,
+        number("foldpath:panelGap", GAP, plates.gap)?,
+    ];
+    let margin = number("foldpath:margin", MARGIN_DEG, 0.0)?.to_radians();
+    let sides = sides.transpose()?.unwrap_or_default();
+    Ok(Some(plates.with(|it| {
+        (it.hinge_plane, it.gap, it.margin, it.sides) = (plane, gap, margin, sides)
+    })))
 }
 
 /// Returns the numbers of the knots at which another phase begins; none if the file names no phases.

@@ -20,6 +20,7 @@ use crate::collision::hierarchy::Hierarchy;
 use crate::collision::narrow::crossing::ConvexPiece;
 use crate::collision::narrow::separation::distance;
 use crate::collision::pieces::Pieces;
+use crate::collision::solids::solid::PlacedSolid;
 use crate::collision::sweep::motion::{Motion, SEGMENT, Tick};
 use crate::collision::tolerances::{
     CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
@@ -46,6 +47,8 @@ pub(super) struct IntervalBroadPhase {
     /// For each cluster the body that has all its pieces, if one has: faces at rest relative to each other over the current
     /// segment.
     bodies: Vec<Option<FaceId>>,
+    /// Height of the pieces over the planes of their faces, which `reaches` have been made longer by.
+    height: f64,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
     /// Bound on the second derivative of each group's angle, one row for each part of the segment.
@@ -61,6 +64,8 @@ pub(super) struct IntervalBroadPhase {
     bounds: Vec<DeviationBound>,
     deviations: Vec<f64>,
     poses: Vec<Pose>,
+    /// The poses of the faces at the three times; empty unless pieces are solids.
+    poses_of_solids: Three<Vec<Pose>>,
     normals: Three<Vec<Vector3<f64>>>,
     /// Position of each corner of the pieces; in the middle, its control point.
     places: Three<Vec<Vector3<f64>>>,
@@ -105,8 +110,12 @@ impl IntervalBroadPhase {
         (self.from, self.to) = (0, 0);
         motion.angles(0, &mut self.angles);
         for places in &mut self.places {
-            places.resize(pieces.flat.len(), Vector3::zeros());
+            places.resize(pieces.hull_points(), Vector3::zeros());
         }
+        for reach in &mut self.reaches {
+            reach[1] += pieces.height() - self.height;
+        }
+        self.height = pieces.height();
         self.fold(motion, pieces, 0, 2);
     }
 
@@ -141,6 +150,7 @@ impl IntervalBroadPhase {
         core::mem::swap(&mut self.angles, &mut self.next);
         self.places.swap(0, 2);
         self.normals.swap(0, 2);
+        self.poses_of_solids.swap(0, 2);
         self.fold(motion, pieces, self.from + length / 2, 1);
         self.fold(motion, pieces, self.to, 2);
         let [from, middle, to] = &mut self.places;
@@ -180,9 +190,9 @@ impl IntervalBroadPhase {
             pivots[to] = if rests { pivots[from] } else { Some(pivot) };
         }
         let mut farthest = vec![0.0_f64; faces];
-        for piece in &pieces.list {
+        for (index, piece) in (0..).zip(&pieces.list) {
             let face = piece.face.index();
-            let corners = self.places[2][piece.corners()].iter();
+            let corners = self.places[2][pieces.hull(index)].iter();
             let away = corners.map(|at| pivots[face].map_or(0.0, |pivot| (at - pivot).norm()));
             farthest[face] = away.fold(farthest[face], f64::max);
         }
@@ -243,11 +253,16 @@ impl IntervalBroadPhase {
         for (normal, pose) in self.normals[which].iter_mut().zip(&self.poses) {
             *normal = pose.r_wf.rotate(&Vector3::z());
         }
-        for piece in &pieces.list {
-            let pose = self.poses[piece.face.index()];
-            for corner in piece.corners() {
-                self.places[which][corner] = pose.apply(pieces.flat[corner]);
-            }
+        if pieces.are_solid() {
+            self.poses_of_solids[which].clone_from(&self.poses);
+        }
+        for (index, piece) in (0..).zip(&pieces.list) {
+            let mut places = self.places[which][pieces.hull(index)].iter_mut();
+            pieces.place(index, &self.poses[piece.face.index()], |at| {
+                if let Some(place) = places.next() {
+                    *place = at;
+                }
+            });
         }
     }
 
@@ -261,9 +276,8 @@ impl IntervalBroadPhase {
         pair: [u32; 2],
         touching: f64,
     ) -> Option<Three<f64>> {
-        let pair = pair.map(|piece| pieces.list[piece as usize]);
-        let corners = pair.map(|piece| piece.corners());
-        let faces = pair.map(|piece| piece.face.index());
+        let corners = pair.map(|piece| pieces.hull(piece));
+        let faces = pair.map(|piece| pieces.list[piece as usize].face.index());
         let slack = self.deviations[faces[0]] + self.deviations[faces[1]] + touching;
         let center = |corners: &Range<usize>| {
             let sum: Vector3<f64> = self.places[1][corners.clone()].iter().sum();
@@ -314,12 +328,21 @@ impl IntervalBroadPhase {
 
     /// Returns the distance of two pieces at the beginning (0) or the end (2) of the interval.
     pub(super) fn distance(&self, pieces: &Pieces, pair: [u32; 2], end: usize) -> f64 {
-        let [a, b] = pair.map(|piece| {
-            let piece = pieces.list[piece as usize];
-            ConvexPiece {
-                corners: &self.places[end][piece.corners()],
-                normal: self.normals[end][piece.face.index()],
-            }
+        let face = |piece: u32| pieces.list[piece as usize].face.index();
+        let points = |piece: u32| &self.places[end][pieces.hull(piece)];
+        let solid = |piece: u32| {
+            Some(PlacedSolid {
+                solid: pieces.solid(piece)?,
+                pose: &self.poses_of_solids[end][face(piece)],
+                points: points(piece),
+            })
+        };
+        if let [Some(a), Some(b)] = pair.map(solid) {
+            return a.distance(&b);
+        }
+        let [a, b] = pair.map(|piece| ConvexPiece {
+            corners: points(piece),
+            normal: self.normals[end][face(piece)],
         });
         distance(&a, &b)
     }
@@ -359,7 +382,7 @@ mod tests {
         let groups = CreaseGroups::trivial(&pattern);
         let turned = [1.0, -1.0].map(|sign| Curve::Angle([sign * PI; 4]));
         let motion = Motion::new(&[turned.to_vec()], groups.len());
-        let pieces = Pieces::new(&pattern);
+        let pieces = Pieces::new(&pattern, None);
         let hierarchy = Hierarchy::new(&pieces);
         let members = groups.memberships();
         let mut broad_phase = IntervalBroadPhase::new(&pattern, members, groups.len());
@@ -431,7 +454,7 @@ mod tests {
             let tree = pattern.tree();
             let segments = noisy(groups.len(), &mut noise);
             let motion = Motion::new(&segments, groups.len());
-            let pieces = Pieces::new(&pattern);
+            let pieces = Pieces::new(&pattern, None);
             let hierarchy = Hierarchy::new(&pieces);
             let members = groups.memberships();
             let mut broad_phase = IntervalBroadPhase::new(&pattern, members, groups.len());

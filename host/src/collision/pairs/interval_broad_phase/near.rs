@@ -93,11 +93,8 @@ impl IntervalBroadPhase {
                 None => {
                     let piece = pieces.list[node];
                     let slack = Vector3::repeat(self.deviations[piece.face.index()]);
-                    let corners = piece.corners();
-                    let points = self
-                        .places
-                        .iter()
-                        .flat_map(|places| &places[corners.clone()]);
+                    let hull = pieces.hull(FaceId::new(node).0);
+                    let points = self.places.iter().flat_map(|places| &places[hull.clone()]);
                     let start = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
                     let [low, high] =
                         points.fold(start, |[low, high], p| [low.inf(p), high.sup(p)]);
@@ -216,7 +213,7 @@ mod tests {
             curves.collect::<Vec<_>>()
         });
         let motion = Motion::new(&segments, groups.len());
-        let pieces = Pieces::new(&pattern);
+        let pieces = Pieces::new(&pattern, None);
         let hierarchy = Hierarchy::new(&pieces);
         let found = |threads: usize| {
             let members = groups.memberships();

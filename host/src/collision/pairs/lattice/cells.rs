@@ -34,9 +34,9 @@ impl<'a> FoldedCells<'a> {
         pattern: &CreasePattern,
         memberships: &[Membership],
         groups: usize,
-        lattice: &'a Lattice,
+        (lattice, height): (&'a Lattice, f64),
     ) -> Self {
-        let folded = LatticeMotion::new(pattern, memberships, lattice);
+        let folded = LatticeMotion::new(pattern, memberships, lattice).with_height(height);
         let ends = lattice
             .extent()
             .map(|[low, high]| [low.min(0), high.max(0)]);

@@ -4,18 +4,20 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::folding::Pose;
 
-/// A disk in space.
+/// A disk in space or, for plates, what is no farther than `height` from a disk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Disk {
     center: Vector3<f64>,
     normal: Vector3<f64>,
     radius: f64,
+    height: f64,
 }
 
 impl Disk {
     /// Returns the disk inside a circle of the flat sheet that moves with a face.
-    pub(super) fn new(pose: &Pose, (center, radius): (Vector2<f64>, f64)) -> Self {
+    pub(super) fn new(pose: &Pose, (center, radius): (Vector2<f64>, f64), height: f64) -> Self {
         Self {
+            height,
             center: pose.apply(center),
             normal: pose.r_wf.rotate(&Vector3::z()),
             radius,
@@ -27,7 +29,7 @@ impl Disk {
         Self {
             center: by.carry(&self.center),
             normal: by.r_wf.rotate(&self.normal),
-            radius: self.radius,
+            ..*self
         }
     }
 
@@ -39,6 +41,6 @@ impl Disk {
         let slant = self.normal.cross(&other.normal).norm();
         let over = self.normal.dot(&between).abs() - other.radius * slant;
         let under = other.normal.dot(&between).abs() - self.radius * slant;
-        balls.max(over).max(under)
+        balls.max(over).max(under) - self.height - other.height
     }
 }

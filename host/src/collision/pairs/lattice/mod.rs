@@ -5,6 +5,8 @@ mod cells;
 mod disk;
 
 use core::ops::{Range, RangeInclusive};
+use std::collections::HashSet;
+use std::sync::Arc;
 
 use foldpath_core::Membership;
 use nalgebra::Vector2;
@@ -15,6 +17,7 @@ use super::{Answer, Batch, Now, PairCounts, PairSource};
 use crate::collision::convex::convex_parts;
 use crate::collision::hierarchy::circle;
 use crate::collision::pieces::Pieces;
+use crate::collision::solids::Plates;
 use crate::collision::sweep::QueryOutcome;
 use crate::collision::sweep::motion::{Motion, Tick};
 use crate::collision::tolerances::{APART_TIMES, MAX_OFFSETS, NEAREST_APART_TIMES, WAKE_TIMES};
@@ -36,6 +39,9 @@ pub(in crate::collision) struct LatticePairs<'a> {
     /// These circles in space, for cell `[0, 0]` (`disks`), and the time for which they were computed (`centered`).
     disks: Vec<Disk>,
     centered: Tick,
+    /// The plates, if panels have a thickness, and the form of each. Faces of one orbit differ in form where a side of one
+    /// is the border of the sheet.
+    plates: Option<(Arc<Plates>, Vec<u32>)>,
     /// Distance up to which cells are looked at as long as no clearance is known.
     far: f64,
     /// Differences of cells woken so far, in order of waking (`offsets`) and sorted (`known`).
@@ -70,16 +76,25 @@ struct Apart {
 
 impl<'a> LatticePairs<'a> {
     /// Creates the pairs of cells of a lattice. Faces may be off the lattice by `deviation`. Cost: O(faces of a cell +
-    /// cells along both steps).
+    /// cells along both steps), of plates O(faces).
     pub(in crate::collision) fn new(
         pattern: &CreasePattern,
         (memberships, groups): (&[Membership], usize),
         lattice: &'a Lattice,
         deviation: f64,
+        plates: Option<&Arc<Plates>>,
     ) -> Self {
         let orbits = lattice.orbits();
         let count = |orbit: &Orbit| convex_parts(pattern, orbit.representative).len() as u64;
-        let cells = FoldedCells::new(pattern, memberships, groups, lattice);
+        let height = plates.map_or(0.0, |plates| plates.reach());
+        let cells = FoldedCells::new(pattern, memberships, groups, (lattice, height));
+        let forms = |plates: &Arc<Plates>| {
+            let coords = lattice.coords().iter();
+            let origins: Vec<_> = coords
+                .map(|coord| lattice.translation(coord.cell))
+                .collect();
+            (plates.clone(), plates.forms(pattern, &origins))
+        };
         let corners = |orbit| circle(cells.folded.corners(orbit));
         Self {
             deviation,
@@ -87,6 +102,7 @@ impl<'a> LatticePairs<'a> {
             counts: orbits.iter().map(count).collect(),
             circles: (0..).take(orbits.len()).map(corners).collect(),
             disks: Vec::new(),
+            plates: plates.map(forms),
             centered: Tick::MAX,
             far: 0.0,
             offsets: Vec::new(),
@@ -271,7 +287,7 @@ impl<'a> LatticePairs<'a> {
                 }
                 if distance < best {
                     let class = PairClass::of_orbits([a, b], cell);
-                    apart.nearest.extend(self.cells.lattice.pair_of(class));
+                    apart.nearest.extend(self.representatives(class));
                 }
                 apart.least = apart.least.min(distance);
             }
@@ -285,9 +301,13 @@ impl<'a> LatticePairs<'a> {
             return;
         }
         self.centered = self.cells.time;
+        let height = self
+            .plates
+            .as_ref()
+            .map_or(0.0, |(plates, _)| plates.reach());
         let disks = (0..)
             .zip(&self.circles)
-            .map(|(orbit, &circle)| Disk::new(&self.cells.folded.pose(orbit), circle));
+            .map(|(orbit, &circle)| Disk::new(&self.cells.folded.pose(orbit), circle, height));
         self.disks.clear();
         self.disks.extend(disks);
     }
@@ -301,10 +321,25 @@ impl<'a> LatticePairs<'a> {
         let bit = a * orbits + b;
         offset.taken[bit / 64] |= 1 << (bit % 64);
         let class = PairClass::of_orbits([a, b], offset.cell);
-        if let Some(faces) = self.cells.lattice.pair_of(class) {
-            offset.left = offset.left.saturating_sub(self.counts[a] * self.counts[b]);
-            near.push(faces);
+        let pairs = self.counts[a] * self.counts[b];
+        let faces = self.representatives(class);
+        if !faces.is_empty() {
+            let offset = &mut self.offsets[index];
+            offset.left = offset.left.saturating_sub(pairs);
+            near.extend(faces);
         }
+    }
+
+    /// Returns the pairs of faces that stand for all of a class: one or, of plates, one for each two forms.
+    fn representatives(&self, class: PairClass) -> Vec<[FaceId; 2]> {
+        let lattice = self.cells.lattice;
+        let Some((_, forms)) = &self.plates else {
+            return lattice.pair_of(class).into_iter().collect();
+        };
+        let mut seen = HashSet::new();
+        let mut pairs: Vec<_> = lattice.pairs_of(class).collect();
+        pairs.retain(|pair| seen.insert(pair.map(|face| forms[face.index()])));
+        pairs
     }
 }
 

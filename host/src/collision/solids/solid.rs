@@ -1,0 +1,372 @@
+//! Convex solids: the parts of plates. Measures how far two of them are apart, or how deep they are in each other.
+//!
+//! Two convex polyhedra are apart if and only if a plane keeps them apart that is parallel to a facet of one, or to an edge of
+//! each (S. Gottschalk, "Separating axis theorem", 1996). The largest gap over these planes is a lower bound of the distance;
+//! if the solids overlap, the least overlap is the length of the shortest way out. parry3d finds both by GJK and EPA, which
+//! iterate up to a tolerance: here every bound is a proof, whatever rounding does, and thin plates are nearly flat.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::{Plate, Plates};
+use crate::collision::narrow::crossing::ConvexPiece;
+use crate::collision::narrow::separation::distance;
+use crate::folding::Pose;
+use crate::pattern::{CreasePattern, VertexId};
+
+/// Sine of the angle between two directions below which they are the same.
+const SAME_SINE: f64 = 1e-9;
+
+/// A convex part of a plate, in the frame of the flat sheet.
+#[derive(Clone, Debug, Default)]
+pub(in crate::collision) struct Solid {
+    pub(in crate::collision) points: Vec<Vector3<f64>>,
+    /// Unit normals of the facets and unit directions of the edges; those that differ.
+    normals: Vec<Vector3<f64>>,
+    edges: Vec<Vector3<f64>>,
+    /// The corners of each facet among the points, counter-clockwise seen from outside, and its unit normal.
+    facets: Vec<(Vec<u32>, Vector3<f64>)>,
+    /// For each corner of the part, the number of the point that is its vertex; `None` if the material stays back from it.
+    apexes: Vec<Option<u32>>,
+    /// For each corner, the points that are next to it: the solid lies in the cone that they span from its vertex.
+    next_to: Vec<Vec<u32>>,
+    /// `true` if facets and edges are those of the solid without exception.
+    pub(in crate::collision) is_exact: bool,
+    /// Distance between the lowest and the highest point.
+    height: f64,
+}
+
+impl Solid {
+    /// Makes the solid of a convex part of a plate.
+    pub(in crate::collision) fn new(
+        pattern: &CreasePattern,
+        plates: &Plates,
+        plate: &Plate,
+        part: &[VertexId],
+    ) -> Self {
+        let (count, layers) = (part.len(), plates.heights.len());
+        let mut solid = Self {
+            is_exact: true,
+            ..Self::default()
+        };
+        // The point of each corner at each height.
+        let columns: Vec<Vec<u32>> = part
+            .iter()
+            .map(|&vertex| {
+                let places = plate.places(pattern, vertex).into_iter();
+                let column = places.zip(&plates.heights);
+                column
+                    .map(|(at, &height)| solid.point(at.push(height)))
+                    .collect()
+            })
+            .collect();
+        let next = |k: usize| if k + 1 < count { k + 1 } else { 0 };
+        let outline = |layer: usize| {
+            columns
+                .iter()
+                .map(|column| column[layer])
+                .collect::<Vec<_>>()
+        };
+        let mut lower = outline(0);
+        lower.reverse();
+        solid.facet(lower);
+        solid.facet(outline(layers - 1));
+        for k in 0..count {
+            let [here, there] = [&columns[k], &columns[next(k)]];
+            for layer in 0..layers {
+                solid.edge(here[layer], there[layer]);
+            }
+            for layer in 1..layers {
+                let [a, b] = [here[layer - 1], there[layer - 1]];
+                let [c, d] = [there[layer], here[layer]];
+                solid.edge(a, d);
+                solid.wall([a, b, c, d]);
+            }
+        }
+        for layer in [0, layers - 1] {
+            solid.is_exact &= solid.turns_left(&outline(layer));
+        }
+        let is_whole = part.len() == plate.corners.len();
+        for (k, &vertex) in part.iter().enumerate() {
+            let at = pattern.vertices()[vertex.index()];
+            let touches = |point: &&u32| {
+                let point = solid.points[**point as usize];
+                (point.xy() - at).norm() <= 0.0
+            };
+            let apex = columns[k]
+                .iter()
+                .find(touches)
+                .map(|_| solid.point(at.push(0.0)));
+            let near = if is_whole {
+                vec![(k + count - 1) % count, k, next(k)]
+            } else {
+                (0..count).collect()
+            };
+            let near: Vec<u32> = near.into_iter().flat_map(|k| columns[k].clone()).collect();
+            solid.apexes.push(apex);
+            solid.next_to.push(near);
+        }
+        let [low, high] = [plates.heights[0], plates.heights[layers - 1]];
+        solid.height = high - low;
+        solid
+    }
+
+    /// Returns the number of a point, which is added if it is new.
+    fn point(&mut self, at: Vector3<f64>) -> u32 {
+        let known = self.points.iter().position(|point| *point == at);
+        let index = known.unwrap_or_else(|| {
+            self.points.push(at);
+            self.points.len() - 1
+        });
+        VertexId::new(index).0
+    }
+
+    /// Adds a facet that is planar; none if it has no area.
+    fn facet(&mut self, mut corners: Vec<u32>) {
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            return;
+        }
+        let at = |k: usize| self.points[corners[k % corners.len()] as usize];
+        let area: Vector3<f64> = (1..corners.len())
+            .map(|k| (at(k) - at(0)).cross(&(at(k + 1) - at(0))))
+            .sum();
+        let Some(normal) = area.try_normalize(0.0) else {
+            return;
+        };
+        if !self
+            .normals
+            .iter()
+            .any(|known| known.cross(&normal).norm() <= SAME_SINE)
+        {
+            self.normals.push(normal);
+        }
+        self.facets.push((corners, normal));
+    }
+
+    /// Adds the wall between two heights at a side of the part. A wall inside a panel may be twisted: then the triangles on
+    /// both of its diagonals count.
+    fn wall(&mut self, [a, b, c, d]: [u32; 4]) {
+        let at = |point: u32| self.points[point as usize];
+        let size = (at(c) - at(a)).norm().max((at(d) - at(b)).norm());
+        let volume = (at(b) - at(a))
+            .cross(&(at(c) - at(a)))
+            .dot(&(at(d) - at(a)))
+            .abs();
+        if volume <= SAME_SINE * size.powi(3) {
+            self.facet(vec![a, b, c, d]);
+            return;
+        }
+        self.is_exact = false;
+        for [a, b, c] in [[a, b, c], [a, c, d], [a, b, d], [b, c, d]] {
+            self.facet(vec![a, b, c]);
+        }
+        self.edge(a, c);
+        self.edge(b, d);
+    }
+
+    fn edge(&mut self, from: u32, to: u32) {
+        let along = self.points[to as usize] - self.points[from as usize];
+        let Some(along) = along.try_normalize(0.0) else {
+            return;
+        };
+        if !self
+            .edges
+            .iter()
+            .any(|known| known.cross(&along).norm() <= SAME_SINE)
+        {
+            self.edges.push(along);
+        }
+    }
+
+    /// Returns `true` if an outline nowhere bends to the right.
+    fn turns_left(&self, outline: &[u32]) -> bool {
+        let at = |k: usize| self.points[outline[k % outline.len()] as usize].xy();
+        (0..outline.len()).all(|k| {
+            let [along, next]: [Vector2<f64>; 2] = [at(k + 1) - at(k), at(k + 2) - at(k + 1)];
+            along.perp(&next) >= -SAME_SINE * along.norm() * next.norm()
+        })
+    }
+
+    /// Returns `true` if the solid stays, at each height, as far back from the line of a side as a hinge there asks with these
+    /// tangents of half its largest angles, as a mountain and as a valley. `slack` is a distance that does not count.
+    pub(in crate::collision) fn keeps_back(
+        &self,
+        [from, to]: [Vector2<f64>; 2],
+        [mountain, valley]: [f64; 2],
+        slack: f64,
+    ) -> bool {
+        let along = (to - from).normalize();
+        self.points.iter().all(|point| {
+            let depth = along.perp(&(point.xy() - from));
+            depth >= (point.z * valley).max(-point.z * mountain) - slack
+        })
+    }
+
+    /// Returns `true` if the vertex at a corner of the part belongs to the solid.
+    pub(in crate::collision) fn has_apex(&self, corner: u32) -> bool {
+        self.apexes[corner as usize].is_some()
+    }
+}
+
+/// A solid in space.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::collision) struct PlacedSolid<'a> {
+    pub(in crate::collision) solid: &'a Solid,
+    pub(in crate::collision) pose: &'a Pose,
+    /// Its points in space.
+    pub(in crate::collision) points: &'a [Vector3<f64>],
+}
+
+impl PlacedSolid<'_> {
+    fn turned<'s>(
+        &'s self,
+        directions: &'s [Vector3<f64>],
+    ) -> impl Iterator<Item = Vector3<f64>> + 's {
+        directions
+            .iter()
+            .map(|direction| self.pose.r_wf.rotate(direction))
+    }
+
+    /// Returns the normal of each facet that faces outwards, and a point of the facet.
+    pub(in crate::collision) fn planes(
+        &self,
+    ) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + '_ {
+        self.solid.facets.iter().map(|(corners, normal)| {
+            (
+                self.pose.r_wf.rotate(normal),
+                self.points[corners[0] as usize],
+            )
+        })
+    }
+
+    /// Returns a lower bound of the distance of two solids or, if they overlap, the negative of the least way that parts them.
+    /// The bound is above 0 if they are apart.
+    pub(in crate::collision) fn separation(&self, other: &Self) -> f64 {
+        let mut best = f64::NEG_INFINITY;
+        let mut along = |direction: &Vector3<f64>| {
+            let [low, high] = extent(self.points, direction);
+            let [other_low, other_high] = extent(other.points, direction);
+            best = best.max(other_low - high).max(low - other_high);
+            best
+        };
+        for normal in self
+            .turned(&self.solid.normals)
+            .chain(other.turned(&other.solid.normals))
+        {
+            along(&normal);
+        }
+        let middle = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / count(points);
+        if let Some(direction) = (middle(other.points) - middle(self.points)).try_normalize(0.0) {
+            // Solids that are far from each other for their height are as good as faces.
+            if along(&direction) > self.solid.height.max(other.solid.height) {
+                return best;
+            }
+        }
+        let others: Vec<_> = other.turned(&other.solid.edges).collect();
+        for edge in self.turned(&self.solid.edges) {
+            for other in &others {
+                let direction = edge.cross(other);
+                let sine = direction.norm();
+                if sine > SAME_SINE {
+                    along(&(direction / sine));
+                }
+            }
+        }
+        best
+    }
+
+    /// Returns the distance of two solids that do not overlap: that of their nearest facets. The nearest point of the other
+    /// solid is ahead of one of the facets that have the nearest point of this one.
+    pub(in crate::collision) fn distance(&self, other: &Self) -> f64 {
+        let (facets, others) = (self.facets_towards(other), other.facets_towards(self));
+        let mut nearest = f64::INFINITY;
+        for (corners, normal) in &facets {
+            for (other_corners, other_normal) in &others {
+                let a = ConvexPiece {
+                    corners,
+                    normal: *normal,
+                };
+                let b = ConvexPiece {
+                    corners: other_corners,
+                    normal: *other_normal,
+                };
+                nearest = nearest.min(distance(&a, &b));
+            }
+        }
+        nearest
+    }
+
+    /// Returns the corners and the normal of each facet that has a point of the other solid ahead.
+    fn facets_towards(&self, other: &Self) -> Vec<(Vec<Vector3<f64>>, Vector3<f64>)> {
+        let facets = self.solid.facets.iter().filter_map(|(corners, normal)| {
+            let normal = self.pose.r_wf.rotate(normal);
+            let corners = corners.iter().map(|&corner| self.points[corner as usize]);
+            let corners: Vec<_> = corners.collect();
+            let [_, high] = extent(other.points, &normal);
+            (high >= normal.dot(&corners[0])).then_some((corners, normal))
+        });
+        facets.collect()
+    }
+
+    /// Returns a lower bound of the angle (radians) between the cones that two solids span from a vertex that they share, given
+    /// the corners at which it is; 0 if they touch in more than the vertex.
+    pub(in crate::collision) fn angle(&self, other: &Self, corners: [u32; 2]) -> f64 {
+        let cone = |placed: &Self, corner: u32| -> Vec<Vector3<f64>> {
+            let solid = placed.solid;
+            let Some(apex) = solid.apexes[corner as usize] else {
+                return Vec::new();
+            };
+            let apex = placed.points[apex as usize];
+            let near = solid.next_to[corner as usize].iter();
+            near.filter_map(|&point| (placed.points[point as usize] - apex).try_normalize(0.0))
+                .collect()
+        };
+        let (a, b) = (cone(self, corners[0]), cone(other, corners[1]));
+        let mut best = 0.0_f64;
+        let mut along = |normal: Vector3<f64>| {
+            let size = normal.norm();
+            if size <= SAME_SINE {
+                return;
+            }
+            let normal = normal / size;
+            let ([low, high], [other_low, other_high]) = (extent(&a, &normal), extent(&b, &normal));
+            for (near, far) in [(low, -other_high), (-high, other_low)] {
+                // A plane parts the cones if neither reaches through it.
+                if near >= -SAME_SINE && far >= -SAME_SINE {
+                    let angle = near.clamp(0.0, 1.0).asin() + far.clamp(0.0, 1.0).asin();
+                    best = best.max(angle - 2.0 * SAME_SINE);
+                }
+            }
+        };
+        for cone in [&a, &b] {
+            for (k, first) in cone.iter().enumerate() {
+                cone[k + 1..]
+                    .iter()
+                    .for_each(|second| along(first.cross(second)));
+            }
+        }
+        for first in &a {
+            for second in &b {
+                along(first.cross(second));
+                along(first - second);
+            }
+        }
+        best
+    }
+}
+
+fn extent(points: &[Vector3<f64>], direction: &Vector3<f64>) -> [f64; 2] {
+    let start = [f64::INFINITY, f64::NEG_INFINITY];
+    points.iter().fold(start, |[low, high], point| {
+        let along = direction.dot(point);
+        [low.min(along), high.max(along)]
+    })
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a mean")]
+fn count(points: &[Vector3<f64>]) -> f64 {
+    points.len() as f64
+}
