@@ -10,7 +10,7 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, Openness, Plates, SearchEffort, SearchedSheet, SweepVerdict,
+    CollisionScene, Crossing, Openness, Plates, SearchEffort, SearchedSheet, SweepVerdict, Trims,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::{Motion, PlateOptions};
@@ -161,7 +161,7 @@ pub(super) fn check_plates(
     if !verdict.crossings.is_empty() {
         return;
     }
-    let plates = match Plates::new(pattern, &path.angle_ranges(), options) {
+    let plates = match Plates::new(pattern, &Trims::of(path, options), options) {
         Ok(plates) => plates,
         Err(error) => return verdict.failures.push(Failure::PlatesNotMade(error)),
     };

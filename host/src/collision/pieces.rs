@@ -246,7 +246,7 @@ impl Pieces {
         let slack = KEPT_BACK_RATIO * CROSSING_DEPTH_EDGES * pattern.median_edge();
         let keeps_back = |edge: &EdgeId| {
             let Edge { ends, .. } = *pattern.edge(*edge);
-            let tangents = plates.tangents(pattern, *edge);
+            let tangents = plates.tangents(*edge);
             pair.into_iter().all(|piece| {
                 let back = [ends[1], ends[0]];
                 // `has_side` looks for a side in the opposite direction.

@@ -196,6 +196,7 @@ pub fn write_motion(motion: &Motion, out: &mut impl Write) -> io::Result<()> {
             file.set("foldpath:panels", plates.sides.name())?;
             file.set("foldpath:panelGap", &plates.gap)?;
             file.set("foldpath:margin", &degrees(plates.margin))?;
+            file.set("foldpath:cutsCorners", &plates.cuts_corners)?;
         }
         let out = file.key("file_frames")?;
         let mut before = "[\n{";

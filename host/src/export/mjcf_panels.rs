@@ -59,23 +59,10 @@ impl Panels {
 
     /// Groups the faces into panels, which are numbered by their first faces.
     fn of_sets(pattern: &CreasePattern) -> Self {
-        let mut sets = UnionFind::new(pattern.faces().len());
-        for edge in pattern.edges().iter().filter(|edge| edge.crease.is_none()) {
-            if let Some(faces) = edge.inner_faces() {
-                sets.join_to_smaller(faces.map(|face| face.index()));
-            }
-        }
-        let mut faces: Vec<Vec<FaceId>> = Vec::new();
-        let mut of_face: Vec<usize> = Vec::with_capacity(pattern.faces().len());
-        for (face, first) in sets.representatives().into_iter().enumerate() {
-            let panel = if first == face {
-                faces.push(Vec::new());
-                faces.len() - 1
-            } else {
-                of_face[first]
-            };
-            faces[panel].push(FaceId::new(face));
-            of_face.push(panel);
+        let faces = pattern.panels();
+        let mut of_face = vec![0; pattern.faces().len()];
+        for (panel, faces) in faces.iter().enumerate() {
+            faces.iter().for_each(|face| of_face[face.index()] = panel);
         }
         Self {
             of_face,

@@ -64,6 +64,8 @@ pub struct PlateOptions {
     pub gap: f64,
     /// Angle by which hinges could turn beyond the motion before plates touch, radians; 0 or more.
     pub margin: f64,
+    /// `true` to cut off corners of plates that share a vertex and no hinge at it, where they would pass through each other.
+    pub cuts_corners: bool,
 }
 
 impl PlateOptions {
@@ -76,6 +78,7 @@ impl PlateOptions {
             sides: PlateSides::default(),
             gap: 0.0,
             margin: 0.0,
+            cuts_corners: false,
         }
     }
 

@@ -10,6 +10,7 @@ use super::{
     VertexId,
 };
 use crate::util::csr::Csr;
+use crate::util::union_find::UnionFind;
 
 /// An edge of a crease pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,6 +274,27 @@ impl CreasePattern {
             next += 1;
         }
         sheets
+    }
+
+    /// Returns the panels: sets of faces that are joined by edges that stay flat, in the order of their first faces.
+    #[must_use]
+    pub fn panels(&self) -> Vec<Vec<FaceId>> {
+        let mut sets = UnionFind::new(self.faces.len());
+        for edge in self.edges.iter().filter(|edge| edge.crease.is_none()) {
+            if let Some(faces) = edge.inner_faces() {
+                sets.join_to_smaller(faces.map(FaceId::index));
+            }
+        }
+        let mut panels: Vec<Vec<FaceId>> = Vec::new();
+        let mut of_first = vec![None; self.faces.len()];
+        for (face, first) in (0..).map(FaceId).zip(sets.representatives()) {
+            let panel: usize = *of_first[first].get_or_insert_with(|| {
+                panels.push(Vec::new());
+                panels.len() - 1
+            });
+            panels[panel].push(face);
+        }
+        panels
     }
 
     /// Returns for each face the faces beyond its edges, each with the edge between.

@@ -318,6 +318,11 @@ impl Display for Note {
                 f.write_str("plates were not judged: they are judged along a path that reaches its goal")
             }
             Self::Thickest(found) => thickest_in_words(found, f),
+            Self::CornersCut(count) => write!(
+                f,
+                "{count} corners of panels are cut off: panels that share a vertex and no hinge at it would pass through \
+                 each other there"
+            ),
             Self::FoundAtRandom => f.write_str("the path was found by the randomised search"),
             Self::Snapped { turned } => write!(
                 f,

@@ -280,6 +280,8 @@ pub enum Note {
     PlatesNotJudged,
     /// How thick the plates may be.
     Thickest(Thickest),
+    /// This number of corners of plates is cut off, as they would pass through each other.
+    CornersCut(usize),
     /// Creases count as turned, so that the sheet folds flat exactly.
     Snapped {
         /// Largest angle by which a crease is turned, radians.

@@ -12,20 +12,21 @@
 mod outline;
 pub(super) mod solid;
 mod thickest;
+mod trims;
 
 pub(crate) use thickest::thickest;
 pub use thickest::{Thickest, TooThick};
+pub use trims::Trims;
 
 use std::collections::HashMap;
 
 use nalgebra::Vector2;
 use thiserror::Error;
 
-use self::outline::inset;
+use self::outline::{Side, inset};
 use super::convex::{convex_parts, is_convex};
 use crate::motion::{MAX_PLATE_ANGLE_DEG, PlateOptions, PlateSides};
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
-use crate::util::union_find::UnionFind;
 
 /// Length up to which plates of one form may differ, median edges.
 const FORM_EDGES: f64 = 1e-7;
@@ -69,20 +70,74 @@ pub struct Plate {
     pub corners: Vec<VertexId>,
     /// The edge from each corner to the next.
     pub sides: Vec<EdgeId>,
-    /// Its outline at each of the heights of [`Plates::heights`]: the place of each corner.
-    pub outlines: Vec<Vec<Vector2<f64>>>,
+    /// Its outline at each of the heights of [`Plates::heights`]: for each corner the end of the side before and the start of
+    /// the side behind it, which differ where the corner is cut off.
+    pub outlines: Vec<Vec<[Vector2<f64>; 2]>>,
     /// Its convex parts, each a cycle of vertices.
     pub(super) parts: Vec<Vec<VertexId>>,
 }
 
 impl Plate {
     /// Returns the places of a vertex of the plate at each of its heights. Vertices inside the plate stay where they are.
-    pub(super) fn places(&self, pattern: &CreasePattern, vertex: VertexId) -> Vec<Vector2<f64>> {
+    pub(super) fn places(
+        &self,
+        pattern: &CreasePattern,
+        vertex: VertexId,
+    ) -> Vec<[Vector2<f64>; 2]> {
         let corner = self.corners.iter().position(|corner| *corner == vertex);
-        let place = |outline: &Vec<Vector2<f64>>| {
-            corner.map_or(pattern.vertices()[vertex.index()], |corner| outline[corner])
-        };
+        let inside = [pattern.vertices()[vertex.index()]; 2];
+        let place =
+            |outline: &Vec<[Vector2<f64>; 2]>| corner.map_or(inside, |corner| outline[corner]);
         self.outlines.iter().map(place).collect()
+    }
+
+    /// Returns its outline at one height after its sides and corners have moved inwards by these distances.
+    fn outline(
+        &self,
+        pattern: &CreasePattern,
+        insets: impl Fn(EdgeId) -> f64,
+        cuts: impl Fn(VertexId) -> f64,
+    ) -> Result<Vec<[Vector2<f64>; 2]>, EdgeId> {
+        let count = self.corners.len();
+        let place = |k: usize| pattern.vertices()[self.corners[k % count].index()];
+        let mut sides = Vec::with_capacity(count);
+        // For each side its number among the edges; `None` for one that cuts a corner off.
+        let mut edges = Vec::with_capacity(count);
+        for k in 0..count {
+            let (from, along) = (place(k), (place(k + 1) - place(k)).normalize());
+            let cut = cuts(self.corners[k]);
+            if cut > 0.0 {
+                let before = (from - place(k + count - 1)).normalize();
+                if let Some(across) = (before + along).try_normalize(0.0) {
+                    sides.push(Side {
+                        from,
+                        along: across,
+                        inset: cut,
+                    });
+                    edges.push(None);
+                }
+            }
+            sides.push(Side {
+                from,
+                along,
+                inset: insets(self.sides[k]),
+            });
+            edges.push(Some(k));
+        }
+        let turns =
+            |side: usize| edges[side].is_some_and(|k| pattern.edge(self.sides[k]).crease.is_some());
+        let ends = inset(&sides, |side| !turns(side)).map_err(|side| {
+            let edge = (edges[side]).or_else(|| edges[(side + 1) % edges.len()]);
+            self.sides[edge.unwrap_or(0)]
+        })?;
+        let mut outline = vec![[Vector2::zeros(); 2]; count];
+        for ([start, end], edge) in ends.into_iter().zip(&edges) {
+            if let Some(k) = *edge {
+                outline[k][1] = start;
+                outline[(k + 1) % count][0] = end;
+            }
+        }
+        Ok(outline)
     }
 }
 
@@ -97,22 +152,21 @@ pub struct Plates {
     pub list: Vec<Plate>,
     /// The plate of each face.
     pub of_face: Vec<usize>,
-    /// For each crease the tangents of half its largest angles as a mountain and as a valley, without the margin.
-    tangents: Vec<[f64; 2]>,
+    /// How far the motion asks the plates to stay back.
+    trims: Trims,
 }
 
 impl Plates {
-    /// Makes the plates for a motion on which each crease keeps to a range of angles (radians). Cost: O(faces), but for
-    /// panels of very many corners.
+    /// Makes the plates for a motion that needs these trims. Cost: O(faces), but for panels of very many corners.
     ///
     /// # Errors
     /// If a hinge turns too far, or a panel is used up.
     pub fn new(
         pattern: &CreasePattern,
-        ranges: &[[f64; 2]],
+        trims: &Trims,
         options: &PlateOptions,
     ) -> Result<Self, PlateError> {
-        Self::of_all(pattern, ranges, options, options.thickness)
+        Self::of_all(pattern, trims, options, options.thickness)
     }
 
     /// Makes solids that contain the plates of all thicknesses from `least` to that of the options. Tapered plates contain
@@ -122,84 +176,65 @@ impl Plates {
     /// As [`new`](Self::new).
     pub(crate) fn of_all(
         pattern: &CreasePattern,
-        ranges: &[[f64; 2]],
+        trims: &Trims,
         options: &PlateOptions,
         least: f64,
     ) -> Result<Self, PlateError> {
-        let limit = MAX_PLATE_ANGLE_DEG.to_radians();
-        for (&edge, range) in pattern.creases().iter().zip(ranges) {
-            if let Some(&angle) = range.iter().find(|angle| !(angle.abs() <= limit)) {
-                return Err(PlateError::TurnsTooFar { edge, angle });
-            }
-        }
-        let tangents = |margin: f64| {
-            let tangent = |most: f64| {
-                if most > 0.0 {
-                    ((most + margin) / 2.0).tan()
-                } else {
-                    0.0
-                }
-            };
-            let both = move |range: &[f64; 2]| [tangent(-range[0]), tangent(range[1])];
-            ranges.iter().map(both).collect::<Vec<_>>()
-        };
-        let trims = tangents(options.margin);
+        trims.are_possible()?;
         let heights = |thickness| options.with(|it| it.thickness = thickness).heights();
-        let ([below, above], [less_below, less_above]) =
-            (heights(options.thickness), heights(least));
-        let mut layers: Vec<(f64, [f64; 2])> = match options.sides {
+        let (all, less) = (heights(options.thickness), heights(least));
+        let [below, above] = all;
+        // For each layer its height, and how far the material reaches each way that its sides stay back for.
+        let mut layers = match options.sides {
             PlateSides::Taper => vec![
                 (-below, [below, 0.0]),
                 (0.0, [0.0; 2]),
                 (above, [0.0, above]),
             ],
             PlateSides::Inset => vec![
-                (-below, [below, above]),
-                (-less_below, [less_below, less_above]),
-                (less_above, [less_below, less_above]),
-                (above, [below, above]),
+                (-below, all),
+                (-less[0], less),
+                (less[1], less),
+                (above, all),
             ],
         };
         layers.dedup();
-        let gap = if options.sides == PlateSides::Inset {
-            options.gap
-        } else {
-            0.0
+        let gap = match options.sides {
+            PlateSides::Taper => 0.0,
+            PlateSides::Inset => options.gap,
         };
         let mut plates = Self {
             options: *options,
             heights: layers.iter().map(|(height, _)| *height).collect(),
             of_face: vec![0; pattern.faces().len()],
             list: panels(pattern),
-            tangents: tangents(0.0),
+            trims: trims.clone(),
         };
         for (index, plate) in plates.list.iter_mut().enumerate() {
             for face in &plate.faces {
                 plates.of_face[face.index()] = index;
             }
-            let crease = |side: usize| pattern.edge(plate.sides[side]).crease;
-            let corners: Vec<_> = plate
-                .corners
-                .iter()
-                .map(|v| pattern.vertices()[v.index()])
-                .collect();
             for (_, [down, up]) in &layers {
-                let insets = (0..corners.len()).map(|side| {
-                    let trim = crease(side).map(|crease| trims[crease.index()]);
-                    let turns = trim.filter(|trim| trim[0].max(trim[1]) > 0.0);
-                    turns.map_or(0.0, |[mountain, valley]| {
-                        (down * mountain).max(up * valley).max(gap)
-                    })
-                });
-                let insets: Vec<f64> = insets.collect();
-                let outline = inset(&corners, &insets, |side| crease(side).is_none());
-                plate
-                    .outlines
-                    .push(outline.map_err(|side| PlateError::UsedUp {
-                        face: plate.faces[0],
-                        edge: plate.sides[side],
-                        thickness: options.thickness,
-                    })?);
+                let back = |[below, above]: [f64; 2]| (down * below).max(up * above);
+                let side = |edge: EdgeId| {
+                    let tangents = trims.tangents(edge, options.margin);
+                    let is_hinge = tangents[0].max(tangents[1]) > 0.0;
+                    if is_hinge {
+                        back(tangents).max(gap)
+                    } else {
+                        0.0
+                    }
+                };
+                let cut = |vertex: VertexId| back(trims.cut(plate.faces[0], vertex));
+                let outline =
+                    plate
+                        .outline(pattern, side, cut)
+                        .map_err(|edge| PlateError::UsedUp {
+                            face: plate.faces[0],
+                            edge,
+                            thickness: options.thickness,
+                        })?;
+                plate.outlines.push(outline);
             }
         }
         Ok(plates)
@@ -216,17 +251,23 @@ impl Plates {
     /// has a point of each face that moves with it.
     pub(super) fn forms(&self, pattern: &CreasePattern, origins: &[Vector2<f64>]) -> Vec<u32> {
         let unit = FORM_EDGES * pattern.median_edge();
-        let mut known: HashMap<Vec<[i64; 2]>, u32> = HashMap::new();
+        let mut known: HashMap<Vec<[i64; 4]>, u32> = HashMap::new();
         let forms = origins.iter().zip(&self.of_face).map(|(origin, &plate)| {
             let outlines = self.list[plate].outlines.iter();
-            let mut places: Vec<Vec<[i64; 2]>> = outlines
+            let mut places: Vec<Vec<[i64; 4]>> = outlines
                 .map(|outline| {
                     #[allow(
                         clippy::cast_possible_truncation,
                         reason = "lengths of a sheet, in a small unit"
                     )]
-                    let place = |at: &Vector2<f64>| {
-                        [at.x - origin.x, at.y - origin.y].map(|x| (x / unit).round() as i64)
+                    let place = |[a, b]: &[Vector2<f64>; 2]| {
+                        [
+                            a.x - origin.x,
+                            a.y - origin.y,
+                            b.x - origin.x,
+                            b.y - origin.y,
+                        ]
+                        .map(|x| (x / unit).round() as i64)
                     };
                     let mut places: Vec<_> = outline.iter().map(place).collect();
                     // Equal plates may begin at different corners.
@@ -249,35 +290,23 @@ impl Plates {
     }
 
     /// Returns the tangents of half the largest angles of an edge, as a mountain and as a valley; zeros if it stays flat.
-    pub(super) fn tangents(&self, pattern: &CreasePattern, edge: EdgeId) -> [f64; 2] {
-        let crease = pattern.edge(edge).crease;
-        crease.map_or([0.0; 2], |crease| self.tangents[crease.index()])
+    pub(super) fn tangents(&self, edge: EdgeId) -> [f64; 2] {
+        self.trims.tangents(edge, 0.0)
     }
 }
 
 /// Returns the panels of a sheet: faces joined across edges that stay flat or, if such a set has no single border, its faces
 /// one by one.
 fn panels(pattern: &CreasePattern) -> Vec<Plate> {
-    let mut sets = UnionFind::new(pattern.faces().len());
-    for edge in pattern.edges().iter().filter(|edge| edge.crease.is_none()) {
-        if let Some(faces) = edge.inner_faces() {
-            sets.join_to_smaller(faces.map(FaceId::index));
-        }
-    }
-    let mut of_set: Vec<Vec<FaceId>> = vec![Vec::new(); pattern.faces().len()];
-    for (face, first) in sets.representatives().into_iter().enumerate() {
-        of_set[first].push(FaceId::new(face));
-    }
-    let of_set = of_set.into_iter().filter(|faces| !faces.is_empty());
-    of_set
-        .flat_map(|faces| match panel(pattern, &faces) {
-            Some(plate) => vec![plate],
-            None => faces
-                .iter()
-                .filter_map(|&face| panel(pattern, &[face]))
-                .collect(),
-        })
-        .collect()
+    let of_set = pattern.panels();
+    let one_by_one = |faces: &Vec<FaceId>| {
+        let faces = faces.iter();
+        faces.filter_map(|&face| panel(pattern, &[face])).collect()
+    };
+    let plates = of_set
+        .iter()
+        .map(|faces| panel(pattern, faces).map_or_else(|| one_by_one(faces), |plate| vec![plate]));
+    plates.flatten().collect()
 }
 
 /// Returns the panel of some faces; `None` if its border is not a single polygon.

@@ -5,97 +5,101 @@ use nalgebra::Vector2;
 /// Sine of the angle between two sides below which they are in line.
 const STRAIGHT_SINE: f64 = 1e-9;
 
-/// A side of a polygon, with its line once it is inset.
+/// A side of a polygon.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+pub(super) struct Side {
+    /// Its start.
+    pub(super) from: Vector2<f64>,
     /// Unit direction, with the polygon to the left.
-    along: Vector2<f64>,
-    /// A point of the inset line.
-    point: Vector2<f64>,
+    pub(super) along: Vector2<f64>,
+    /// Distance by which it moves inwards.
+    pub(super) inset: f64,
 }
 
 impl Side {
-    /// Returns the point in which the lines of two successive sides meet; `corner` is theirs before the inset. Where sides are
-    /// in line, the inner one of the two lines counts.
-    fn meet(&self, next: &Self, corner: Vector2<f64>) -> Vector2<f64> {
+    fn inward(&self) -> Vector2<f64> {
+        Vector2::new(-self.along.y, self.along.x)
+    }
+
+    /// Returns a point of the inset line.
+    fn point(&self) -> Vector2<f64> {
+        self.from + self.inward() * self.inset
+    }
+
+    /// Returns the point in which the lines of this side and of another that follows it meet. Where they are in line, the
+    /// inner one of the two lines counts.
+    fn meet(&self, next: &Self) -> Vector2<f64> {
         let sine = self.along.perp(&next.along);
         if sine.abs() > STRAIGHT_SINE {
-            let way = (next.point - self.point).perp(&next.along) / sine;
-            return self.point + self.along * way;
+            let way = (next.point() - self.point()).perp(&next.along) / sine;
+            return self.point() + self.along * way;
         }
-        let inward = Vector2::new(-self.along.y, self.along.x);
-        let depths = [self, next].map(|side| inward.dot(&(side.point - corner)));
-        corner + inward * depths[0].max(depths[1])
+        next.from + next.inward() * self.inset.max(next.inset)
     }
 }
 
-/// Returns the corners of a simple counter-clockwise polygon whose sides are moved inwards by these distances. Side k leads
-/// from corner k to the next, and corners keep their numbers.
+/// Returns the start and the end of each side of a simple counter-clockwise polygon after its sides have moved inwards. A side
+/// may have no length: it then cuts a corner off.
 ///
-/// Sides in line get the larger of their insets. A side that vanishes leaves its place to its neighbours, and its two corners
-/// fall together, if `may_vanish` says so.
+/// Sides in line get the larger of their insets. A side that vanishes leaves its place to its neighbours, and its ends fall
+/// together, if `may_vanish` says so.
 ///
 /// # Errors
-/// The number of a side that vanishes and may not; that of the narrowest place's side if nothing of the polygon is left.
+/// The number of a side that vanishes and may not; that of the largest inset if nothing of the polygon is left.
 pub(super) fn inset(
-    corners: &[Vector2<f64>],
-    insets: &[f64],
+    sides: &[Side],
     may_vanish: impl Fn(usize) -> bool,
-) -> Result<Vec<Vector2<f64>>, usize> {
-    let count = corners.len();
-    let next = |k: usize| if k + 1 < count { k + 1 } else { 0 };
-    let sides: Vec<Side> = (0..count)
-        .map(|k| {
-            let along = (corners[next(k)] - corners[k]).normalize();
-            let inward = Vector2::new(-along.y, along.x);
-            let point = corners[k] + inward * insets[k];
-            Side { along, point }
-        })
-        .collect();
-    let most = (0..count)
-        .max_by(|&a, &b| insets[a].total_cmp(&insets[b]))
-        .unwrap_or(0);
+) -> Result<Vec<[Vector2<f64>; 2]>, usize> {
+    let count = sides.len();
+    let most = (0..count).max_by(|&a, &b| sides[a].inset.total_cmp(&sides[b].inset));
+    let most = most.unwrap_or(0);
     let mut left: Vec<usize> = (0..count).collect();
-    let met = loop {
+    let starts = loop {
         if left.len() < 3 {
             return Err(most);
         }
-        // The corner at the start of each side that is left.
-        let met: Vec<Vector2<f64>> = (0..left.len())
+        // The start of each side that is left.
+        let starts: Vec<Vector2<f64>> = (0..left.len())
             .map(|at| {
                 let [side, before] = [left[at], left[(at + left.len() - 1) % left.len()]];
                 // A corner whose sides stay keeps its place to the last digit.
-                let moves = next(before) != side || insets[before].max(insets[side]) > 0.0;
-                if moves {
-                    sides[before].meet(&sides[side], corners[side])
+                let stays = sides[before].inset <= 0.0 && sides[side].inset <= 0.0;
+                if stays && (before + 1) % count == side {
+                    sides[side].from
                 } else {
-                    corners[side]
+                    sides[before].meet(&sides[side])
                 }
             })
             .collect();
         let way = |at: usize| {
-            sides[left[at]]
-                .along
-                .dot(&(met[(at + 1) % left.len()] - met[at]))
+            let way = starts[(at + 1) % left.len()] - starts[at];
+            sides[left[at]].along.dot(&way)
         };
         let shortest = (0..left.len()).min_by(|&a, &b| way(a).total_cmp(&way(b)));
         match shortest.filter(|&at| way(at) < 0.0) {
-            None => break met,
+            None => break starts,
             Some(at) if may_vanish(left[at]) => drop(left.remove(at)),
             Some(at) => return Err(left[at]),
         }
     };
-    if !is_simple(&met) {
+    if !is_simple(&starts) {
         return Err(most);
     }
-    // A corner between sides that vanish is where the nearest sides that are left meet.
-    let mut all = vec![Vector2::zeros(); count];
+    // A side that vanishes lies where the nearest sides that are left meet.
+    let mut all = vec![[Vector2::zeros(); 2]; count];
     let mut at = 0;
-    for (corner, place) in all.iter_mut().enumerate() {
-        while at < left.len() && left[at] < corner {
+    for (side, ends) in all.iter_mut().enumerate() {
+        while at < left.len() && left[at] < side {
             at += 1;
         }
-        *place = met[at % left.len()];
+        let start = starts[at % left.len()];
+        let is_left = left.get(at) == Some(&side);
+        let end = if is_left {
+            starts[(at + 1) % left.len()]
+        } else {
+            start
+        };
+        *ends = [start, end];
     }
     Ok(all)
 }
@@ -116,56 +120,97 @@ fn is_simple(corners: &[Vector2<f64>]) -> bool {
 mod tests {
     use super::*;
 
-    fn polygon(corners: &[[f64; 2]]) -> Vec<Vector2<f64>> {
-        corners.iter().map(|&at| at.into()).collect()
+    fn sides(corners: &[[f64; 2]], insets: &[f64]) -> Vec<Side> {
+        let next = corners.iter().cycle().skip(1);
+        let sides = corners.iter().zip(next).zip(insets);
+        let sides = sides.map(|((&from, &to), &inset)| {
+            let [from, to] = [from, to].map(Vector2::from);
+            Side {
+                from,
+                along: (to - from).normalize(),
+                inset,
+            }
+        });
+        sides.collect()
+    }
+
+    fn starts(inner: &[[Vector2<f64>; 2]]) -> Vec<[f64; 2]> {
+        inner.iter().map(|[start, _]| (*start).into()).collect()
     }
 
     #[test]
     fn a_rectangle_becomes_smaller_by_its_insets() {
-        let corners = polygon(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]]);
-        let inner = inset(&corners, &[0.5, 0.25, 0.0, 1.0], |_| false).unwrap();
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]];
+        let inner = inset(&sides(&corners, &[0.5, 0.25, 0.0, 1.0]), |_| false).unwrap();
         assert_eq!(
-            inner,
-            polygon(&[[1.0, 0.5], [3.75, 0.5], [3.75, 2.0], [1.0, 2.0]])
+            starts(&inner),
+            [[1.0, 0.5], [3.75, 0.5], [3.75, 2.0], [1.0, 2.0]]
         );
         // The insets of opposite sides meet: the sides between them vanish.
-        assert!(inset(&corners, &[1.25, 0.0, 1.0, 0.0], |_| false).is_err());
-        assert!(inset(&corners, &[1.25, 0.0, 1.0, 0.0], |_| true).is_err());
+        let narrow = sides(&corners, &[1.25, 0.0, 1.0, 0.0]);
+        assert!(inset(&narrow, |_| false).is_err());
+        assert!(inset(&narrow, |_| true).is_err());
     }
 
     #[test]
     fn a_short_side_may_vanish() {
-        let corners = polygon(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [3.5, 3.5], [0.0, 3.5]]);
-        let insets = [0.0, 1.0, 0.0, 0.0, 0.0];
-        assert_eq!(inset(&corners, &insets, |side| side != 2), Err(2));
-        let inner = inset(&corners, &insets, |_| true).unwrap();
-        let whole = polygon(&[[0.0, 0.0], [3.0, 0.0], [3.0, 3.5], [3.0, 3.5], [0.0, 3.5]]);
-        assert!(
-            inner
-                .iter()
-                .zip(&whole)
-                .all(|(a, b)| (a - b).norm() < 1e-12)
-        );
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [3.5, 3.5], [0.0, 3.5]];
+        let sides = sides(&corners, &[0.0, 1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(inset(&sides, |side| side != 2).err(), Some(2));
+        let inner = inset(&sides, |_| true).unwrap();
+        let whole = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.5], [3.0, 3.5], [0.0, 3.5]];
+        let off = inner
+            .iter()
+            .zip(whole)
+            .map(|([a, _], b)| (a - Vector2::from(b)).norm());
+        assert!(off.fold(0.0, f64::max) < 1e-12);
     }
 
     #[test]
     fn sides_in_line_get_the_larger_inset() {
-        let corners = polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        let inner = inset(&corners, &[0.5, 0.25, 0.0, 0.0, 0.0], |_| false).unwrap();
-        assert_eq!(inner[1], Vector2::new(1.0, 0.5));
+        let corners = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let inner = inset(&sides(&corners, &[0.5, 0.25, 0.0, 0.0, 0.0]), |_| false).unwrap();
+        assert_eq!(inner[1][0], Vector2::new(1.0, 0.5));
     }
 
     #[test]
     fn a_reflex_corner_moves_inwards() {
-        let corners = polygon(&[
+        let corners = [
             [0.0, 0.0],
             [4.0, 0.0],
             [4.0, 1.0],
             [1.0, 1.0],
             [1.0, 4.0],
             [0.0, 4.0],
-        ]);
-        let inner = inset(&corners, &[0.0, 0.0, 0.25, 0.5, 0.0, 0.0], |_| false).unwrap();
-        assert_eq!(inner[3], Vector2::new(0.5, 0.75));
+        ];
+        let inner = inset(&sides(&corners, &[0.0, 0.0, 0.25, 0.5, 0.0, 0.0]), |_| {
+            false
+        })
+        .unwrap();
+        assert_eq!(inner[3][0], Vector2::new(0.5, 0.75));
+    }
+
+    #[test]
+    fn a_side_without_length_cuts_a_corner() {
+        let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let mut sides = sides(&corners, &[0.0; 4]);
+        let inward = -Vector2::new(1.0, 1.0).normalize();
+        let along = Vector2::new(inward.y, -inward.x);
+        sides.insert(
+            2,
+            Side {
+                from: Vector2::new(2.0, 2.0),
+                along,
+                inset: 0.0,
+            },
+        );
+        assert_eq!(
+            inset(&sides, |_| true).unwrap()[2],
+            [Vector2::new(2.0, 2.0); 2]
+        );
+        sides[2].inset = 0.5_f64.sqrt();
+        let [start, end] = inset(&sides, |_| true).unwrap()[2];
+        assert!((start - Vector2::new(2.0, 1.0)).norm() < 1e-12);
+        assert!((end - Vector2::new(1.0, 2.0)).norm() < 1e-12);
     }
 }

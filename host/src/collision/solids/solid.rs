@@ -43,29 +43,32 @@ impl Solid {
         plate: &Plate,
         part: &[VertexId],
     ) -> Self {
-        let (count, layers) = (part.len(), plates.heights.len());
+        let (corners, layers) = (part.len(), plates.heights.len());
         let mut solid = Self {
             is_exact: true,
             ..Self::default()
         };
-        // The point of each corner at each height.
-        let columns: Vec<Vec<u32>> = part
-            .iter()
-            .map(|&vertex| {
-                let places = plate.places(pattern, vertex).into_iter();
-                let column = places.zip(&plates.heights);
-                column
-                    .map(|(at, &height)| solid.point(at.push(height)))
-                    .collect()
-            })
-            .collect();
+        // For each corner one or, where it is cut off, two columns of points, one point at each height.
+        let mut columns: Vec<Vec<u32>> = Vec::with_capacity(corners);
+        let mut of_corner = Vec::with_capacity(corners);
+        for &vertex in part {
+            let places = plate.places(pattern, vertex);
+            let column = |side: usize, solid: &mut Self| {
+                let places = places.iter().zip(&plates.heights);
+                places
+                    .map(|(at, &height)| solid.point(at[side].push(height)))
+                    .collect::<Vec<u32>>()
+            };
+            let start = columns.len();
+            columns.push(column(0, &mut solid));
+            if places.iter().any(|[a, b]| a != b) {
+                columns.push(column(1, &mut solid));
+            }
+            of_corner.push(start..columns.len());
+        }
+        let count = columns.len();
         let next = |k: usize| if k + 1 < count { k + 1 } else { 0 };
-        let outline = |layer: usize| {
-            columns
-                .iter()
-                .map(|column| column[layer])
-                .collect::<Vec<_>>()
-        };
+        let outline = |layer: usize| columns.iter().map(|it| it[layer]).collect::<Vec<_>>();
         let mut lower = outline(0);
         lower.reverse();
         solid.facet(lower);
@@ -85,23 +88,21 @@ impl Solid {
         for layer in [0, layers - 1] {
             solid.is_exact &= solid.turns_left(&outline(layer));
         }
-        let is_whole = part.len() == plate.corners.len();
+        let is_whole = corners == plate.corners.len();
         for (k, &vertex) in part.iter().enumerate() {
             let at = pattern.vertices()[vertex.index()];
-            let touches = |point: &&u32| {
-                let point = solid.points[**point as usize];
-                (point.xy() - at).norm() <= 0.0
-            };
-            let apex = columns[k]
-                .iter()
-                .find(touches)
-                .map(|_| solid.point(at.push(0.0)));
+            let touches = |point: &u32| (solid.points[*point as usize].xy() - at).norm() <= 0.0;
+            let is_there = columns[of_corner[k].clone()].iter().flatten().any(touches);
+            let apex = is_there.then(|| solid.point(at.push(0.0)));
             let near = if is_whole {
-                vec![(k + count - 1) % count, k, next(k)]
+                vec![(k + corners - 1) % corners, k, (k + 1) % corners]
             } else {
-                (0..count).collect()
+                (0..corners).collect()
             };
-            let near: Vec<u32> = near.into_iter().flat_map(|k| columns[k].clone()).collect();
+            let near = near
+                .into_iter()
+                .flat_map(|k| &columns[of_corner[k].clone()]);
+            let near: Vec<u32> = near.flatten().copied().collect();
             solid.apexes.push(apex);
             solid.next_to.push(near);
         }
@@ -312,7 +313,7 @@ impl PlacedSolid<'_> {
     }
 
     /// Returns a lower bound of the angle (radians) between the cones that two solids span from a vertex that they share, given
-    /// the corners at which it is; 0 if they touch in more than the vertex.
+    /// the corners at which it is; 0 if they touch in more than the vertex, but for rounding.
     pub(in crate::collision) fn angle(&self, other: &Self, corners: [u32; 2]) -> f64 {
         let cone = |placed: &Self, corner: u32| -> Vec<Vector3<f64>> {
             let solid = placed.solid;
@@ -324,38 +325,44 @@ impl PlacedSolid<'_> {
             near.filter_map(|&point| (placed.points[point as usize] - apex).try_normalize(0.0))
                 .collect()
         };
-        let (a, b) = (cone(self, corners[0]), cone(other, corners[1]));
-        let mut best = 0.0_f64;
-        let mut along = |normal: Vector3<f64>| {
-            let size = normal.norm();
-            if size <= SAME_SINE {
-                return;
-            }
-            let normal = normal / size;
-            let ([low, high], [other_low, other_high]) = (extent(&a, &normal), extent(&b, &normal));
-            for (near, far) in [(low, -other_high), (-high, other_low)] {
-                // A plane parts the cones if neither reaches through it.
-                if near >= -SAME_SINE && far >= -SAME_SINE {
-                    let angle = near.clamp(0.0, 1.0).asin() + far.clamp(0.0, 1.0).asin();
-                    best = best.max(angle - 2.0 * SAME_SINE);
-                }
-            }
-        };
-        for cone in [&a, &b] {
-            for (k, first) in cone.iter().enumerate() {
-                cone[k + 1..]
-                    .iter()
-                    .for_each(|second| along(first.cross(second)));
-            }
-        }
-        for first in &a {
-            for second in &b {
-                along(first.cross(second));
-                along(first - second);
-            }
-        }
-        best
+        cone_separation(&cone(self, corners[0]), &cone(other, corners[1])).max(0.0)
     }
+}
+
+/// Returns a lower bound of the angle (radians) between two convex cones, each spanned by unit directions. If they overlap,
+/// returns the negative sine of an angle by which a plane between them would have to be passed.
+pub(super) fn cone_separation(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    let mut best = f64::NEG_INFINITY;
+    let mut along = |normal: Vector3<f64>| {
+        let size = normal.norm();
+        if size <= SAME_SINE {
+            return;
+        }
+        let normal = normal / size;
+        let ([low, high], [other_low, other_high]) = (extent(a, &normal), extent(b, &normal));
+        for (near, far) in [(low, -other_high), (-high, other_low)] {
+            let separation = if near >= 0.0 && far >= 0.0 {
+                near.min(1.0).asin() + far.min(1.0).asin()
+            } else {
+                near.min(far)
+            };
+            best = best.max(separation);
+        }
+    };
+    for cone in [a, b] {
+        for (k, first) in cone.iter().enumerate() {
+            cone[k + 1..]
+                .iter()
+                .for_each(|second| along(first.cross(second)));
+        }
+    }
+    for first in a {
+        for second in b {
+            along(first.cross(second));
+            along(first - second);
+        }
+    }
+    best
 }
 
 fn extent(points: &[Vector3<f64>], direction: &Vector3<f64>) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{PlateError, Plates};
+use super::{PlateError, Plates, Trims};
 use crate::collision::{Crossing, Place, SweepVerdict};
 use crate::motion::{PlateOptions, PlateSides};
 use crate::pattern::CreasePattern;
@@ -45,17 +45,17 @@ enum Tried {
     Open,
 }
 
-/// Finds how thick the plates of a sheet may be for a motion on which each crease keeps to a range of angles (radians).
+/// Finds how thick the plates of a sheet may be for a motion that needs these trims.
 /// `search` looks for crossings of plates. Thicknesses beyond the first that fails are not looked at.
 pub(crate) fn thickest(
     pattern: &CreasePattern,
-    ranges: &[[f64; 2]],
+    trims: &Trims,
     options: &PlateOptions,
     mut search: impl FnMut(Arc<Plates>) -> SweepVerdict,
 ) -> Thickest {
     let made = |least: f64, thickness: f64| {
         let options = options.with(|it| it.thickness = thickness);
-        Plates::of_all(pattern, ranges, &options, least)
+        Plates::of_all(pattern, trims, &options, least)
     };
     let mut tried = |least: f64, thickness: f64| match made(least, thickness) {
         Err(error) => Tried::Refuted(TooThick::NotMade(error)),

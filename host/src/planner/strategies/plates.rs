@@ -2,32 +2,35 @@
 
 use std::sync::Arc;
 
+use foldpath_core::Curve;
+
 use crate::collision::{
-    Openness, Place, Plates, SearchEffort, SearchedSheet, SweepVerdict, Thickest, TooThick,
-    thickest,
+    Crossing, Openness, Plates, SearchEffort, SearchedSheet, SweepVerdict, Thickest, TooThick,
+    Trims, thickest,
 };
-use crate::motion::Motion;
+use crate::motion::{Motion, PlateOptions};
+use crate::pattern::FaceId;
 use crate::planner::options::Thickness;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, Undecided};
 use crate::progress::Stage;
 
-/// Looks for crossings of the plates that are asked for on the motion of a plan, or finds how thick they may be. The answer
-/// is no longer `Planned` if plates cross, cannot be made, or are not decided.
+/// Looks for crossings of the plates that are asked for on the motion of a plan, or finds how thick they may be. Corners that
+/// are in the way are cut off. The answer is no longer `Planned` if plates cross, cannot be made, or are not decided.
 pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
-    let (Some(asked_for), Some(motion)) = (&asked.options.plates, &best.motion) else {
+    let (Some(request), Some(motion)) = (&asked.options.plates, &best.motion) else {
         return;
     };
     if best.outcome != Outcome::Planned {
         best.notes.push(Note::PlatesNotJudged);
         return;
     }
-    let mut options = asked_for.plates;
+    let segments = 0..motion.segments();
     let judge = Judge {
         asked,
         motion,
-        segments: (0..motion.segments())
+        segments: segments
             .map(|segment| motion.curves(segment).collect())
             .collect(),
         openness: Openness {
@@ -35,112 +38,161 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
             gap: best.errors.rigidity.gap,
         },
         contact: best.crossings.contact_tolerance,
+        is_max: request.thickness == Thickness::Max,
     };
-    let ranges = motion.angle_ranges();
-    let pattern = &motion.pattern;
-    let verdict = match asked_for.thickness {
-        Thickness::Given => match Plates::new(pattern, &ranges, &options) {
-            Ok(plates) => judge.search(Arc::new(plates)),
-            Err(error) => {
-                let no = Reason::PlatesNotMade(error);
-                (best.outcome, best.reason) = (Outcome::MATERIAL_IN_THE_WAY, Some(no));
-                return;
-            }
-        },
-        Thickness::Max => {
-            let found = asked.stage(Stage::Crossings, || {
-                thickest(pattern, &ranges, &options, |plates| judge.search(plates))
-            });
-            options.thickness = found.proved;
-            let Thickest {
-                proved,
-                refuted,
-                is_open,
-            } = found;
-            best.max_thickness = refuted.map(|(refuted, _)| [proved, refuted]);
-            best.notes.push(Note::Thickest(found));
-            if proved <= 0.0 {
-                let (outcome, reason) = match refuted {
-                    Some((thickness, TooThick::Cross(crossing, at))) if !is_open => {
-                        let reason = Reason::PlatesCross {
-                            faces: crossing.faces,
-                            thickness,
-                            segment: at.segment,
-                        };
-                        (Outcome::Crossing(crossing), reason)
-                    }
-                    Some((_, TooThick::NotMade(error))) if !is_open => {
-                        (Outcome::MATERIAL_IN_THE_WAY, Reason::PlatesNotMade(error))
-                    }
-                    _ => {
-                        let open = Undecided::Plates {
-                            faces: None,
-                            segment: 0,
-                        };
-                        best.undecided.push(open);
-                        (Outcome::Undecided, Reason::Undecided(open))
-                    }
-                };
-                (best.outcome, best.reason) = (outcome, Some(reason));
-                return;
-            }
-            SweepVerdict::Free(None)
+    let mut judged = asked.stage(Stage::Crossings, || {
+        let whole = judge.judge(request.plates);
+        if !judge.is_corner_in_the_way(&whole.answer) {
+            return whole;
         }
-    };
-    match verdict {
-        SweepVerdict::Free(clearance) => {
-            if clearance.is_some() {
-                best.crossings.clearance = clearance;
+        let cut = judge.judge(request.plates.with(|it| it.cuts_corners = true));
+        if cut.is_better(&whole) { cut } else { whole }
+    });
+    if judged.corners_cut > 0 {
+        best.notes.push(Note::CornersCut(judged.corners_cut));
+    }
+    if let Answer::Thickest(found) = judged.answer {
+        best.notes.push(Note::Thickest(found));
+        best.max_thickness = found.refuted.map(|(refuted, _)| [found.proved, refuted]);
+        judged.plates.thickness = found.proved;
+    }
+    match judged.no() {
+        None => {
+            best.thickness = Some(judged.plates.thickness);
+            if let Answer::Verdict(SweepVerdict::Free(Some(clearance))) = judged.answer {
+                best.crossings.clearance = Some(clearance);
+            }
+            if let Some(motion) = &mut best.motion {
+                motion.plates = Some(judged.plates);
             }
         }
-        SweepVerdict::Crossing {
-            crossing,
-            at: Place { segment, .. },
-            ..
-        } => {
-            let thickness = options.thickness;
-            best.reason = Some(Reason::PlatesCross {
+        Some((outcome, Reason::Undecided(open))) => {
+            best.undecided.push(open);
+            (best.outcome, best.reason) = (outcome, Some(Reason::Undecided(open)));
+        }
+        Some((outcome, reason)) => (best.outcome, best.reason) = (outcome, Some(reason)),
+    }
+}
+
+/// What is known of plates.
+enum Answer {
+    /// Plates of the thickness asked for.
+    Verdict(SweepVerdict),
+    /// How thick they may be.
+    Thickest(Thickest),
+    /// What keeps them from being made.
+    No(TooThick),
+}
+
+/// Plates that were judged.
+struct Judged {
+    plates: PlateOptions,
+    corners_cut: usize,
+    answer: Answer,
+}
+
+impl Judged {
+    /// Returns `true` if more is proved of these plates.
+    fn is_better(&self, other: &Self) -> bool {
+        match (&self.answer, &other.answer) {
+            (Answer::Thickest(found), Answer::Thickest(before)) => found.proved > before.proved,
+            _ => matches!(self.answer, Answer::Verdict(SweepVerdict::Free(_))),
+        }
+    }
+
+    /// Returns the outcome and the reason if the answer is no, or not known.
+    fn no(&self) -> Option<(Outcome, Reason)> {
+        let thickness = self.plates.thickness;
+        let crosses = |crossing: Crossing, thickness: f64, segment: usize| {
+            let reason = Reason::PlatesCross {
                 faces: crossing.faces,
                 thickness,
                 segment,
-            });
-            best.outcome = Outcome::Crossing(crossing);
-            return;
+            };
+            (Outcome::Crossing(crossing), reason)
+        };
+        let not_known = |faces: Option<[FaceId; 2]>, segment: usize| {
+            let open = Undecided::Plates { faces, segment };
+            (Outcome::Undecided, Reason::Undecided(open))
+        };
+        let refuted = |why: &TooThick, thickness: f64| match why {
+            TooThick::Cross(crossing, at) => crosses(*crossing, thickness, at.segment),
+            TooThick::NotMade(error) => {
+                (Outcome::MATERIAL_IN_THE_WAY, Reason::PlatesNotMade(*error))
+            }
+        };
+        match &self.answer {
+            Answer::Verdict(SweepVerdict::Free(_)) => None,
+            Answer::Verdict(SweepVerdict::Crossing { crossing, at, .. }) => {
+                Some(crosses(*crossing, thickness, at.segment))
+            }
+            Answer::Verdict(SweepVerdict::Undecided { faces, at }) => {
+                Some(not_known(*faces, at.segment))
+            }
+            Answer::Thickest(found) if found.proved > 0.0 => None,
+            Answer::Thickest(Thickest {
+                refuted: Some((thickness, why)),
+                is_open: false,
+                ..
+            }) => Some(refuted(why, *thickness)),
+            Answer::Thickest(_) => Some(not_known(None, 0)),
+            Answer::No(why) => Some(refuted(why, thickness)),
         }
-        SweepVerdict::Undecided { faces, at } => {
-            best.undecided.push(Undecided::Plates {
-                faces,
-                segment: at.segment,
-            });
-            return;
-        }
-    }
-    best.thickness = Some(options.thickness);
-    if let Some(motion) = &mut best.motion {
-        motion.plates = Some(options);
     }
 }
 
-/// What a search for crossings of plates needs.
+/// What the search for crossings of plates needs.
 struct Judge<'a> {
     asked: &'a PlanningProblem<'a>,
     motion: &'a Motion,
-    segments: Vec<Vec<foldpath_core::Curve<f64>>>,
+    segments: Vec<Vec<Curve<f64>>>,
     openness: Openness,
     contact: f64,
+    is_max: bool,
 }
 
 impl Judge<'_> {
+    fn judge(&self, plates: PlateOptions) -> Judged {
+        let trims = Trims::of(self.motion, &plates);
+        let pattern = &self.motion.pattern;
+        let answer = if self.is_max {
+            Answer::Thickest(thickest(pattern, &trims, &plates, |plates| {
+                self.search(plates)
+            }))
+        } else {
+            match Plates::new(pattern, &trims, &plates) {
+                Ok(plates) => Answer::Verdict(self.search(Arc::new(plates))),
+                Err(error) => Answer::No(TooThick::NotMade(error)),
+            }
+        };
+        Judged {
+            plates,
+            corners_cut: trims.corners_cut(),
+            answer,
+        }
+    }
+
     fn search(&self, plates: Arc<Plates>) -> SweepVerdict {
-        self.asked.stage(Stage::Crossings, || {
-            let memberships = self.motion.memberships();
-            let pattern = &self.motion.pattern;
-            let sheet =
-                SearchedSheet::new(pattern, &memberships, Some(self.contact), self.asked.watch);
-            let sheet = sheet.made_of(plates);
-            sheet
-                .search(&self.segments, &SearchEffort::PLAN, self.openness)
-                .verdict
-        })
+        let memberships = self.motion.memberships();
+        let (pattern, watch) = (&self.motion.pattern, self.asked.watch);
+        let sheet = SearchedSheet::new(pattern, &memberships, Some(self.contact), watch);
+        let plated = sheet.made_of(plates);
+        let searched = plated.search(&self.segments, &SearchEffort::PLAN, self.openness);
+        searched.verdict
+    }
+
+    /// Returns `true` if what is in the way is that panels which share a vertex pass through each other.
+    fn is_corner_in_the_way(&self, answer: &Answer) -> bool {
+        let crossing = match answer {
+            Answer::Verdict(SweepVerdict::Crossing { crossing, .. }) => crossing,
+            Answer::Thickest(Thickest {
+                refuted: Some((_, TooThick::Cross(crossing, _))),
+                ..
+            }) => crossing,
+            _ => return false,
+        };
+        let faces = self.motion.pattern.faces();
+        let [a, b] = crossing.faces.map(|face| &faces[face.index()]);
+        a.iter().any(|vertex| b.contains(vertex))
     }
 }

@@ -390,6 +390,11 @@ impl<'a> Located<'a> {
             .ok_or_else(|| self.expected("a whole number from 0"))
     }
 
+    pub(super) fn flag(&self) -> Result<bool, FileError> {
+        let flag = self.value.as_bool();
+        flag.ok_or_else(|| self.expected("true or false"))
+    }
+
     pub(super) fn text(&self) -> Result<&'a str, FileError> {
         self.value.as_str().ok_or_else(|| self.expected("a string"))
     }

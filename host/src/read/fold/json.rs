@@ -163,7 +163,14 @@ impl<'a> Value<'a> {
     }
 
     pub(super) fn is_true(&self) -> bool {
-        matches!(self.node(), Node::Bool(true))
+        self.as_bool() == Some(true)
+    }
+
+    pub(super) fn as_bool(&self) -> Option<bool> {
+        match self.node() {
+            Node::Bool(value) => Some(value),
+            _ => None,
+        }
     }
 
     pub(super) fn is_object(&self) -> bool {

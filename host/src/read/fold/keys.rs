@@ -11,7 +11,7 @@ const MAX_SHOWN_CHARS: usize = 40;
 
 /// The known keys, sorted by their bytes: those of the FOLD specification 1.2, two with their names in 1.0, and the
 /// keys of this program, which `FORMAT.md` describes.
-const KNOWN: [&str; 56] = [
+const KNOWN: [&str; 57] = [
     "edgeOrders",
     "edges_assignment",
     "edges_faces",
@@ -35,6 +35,7 @@ const KNOWN: [&str; 56] = [
     "foldpath:bound",
     "foldpath:clearance",
     "foldpath:closure",
+    "foldpath:cutsCorners",
     "foldpath:deformation",
     "foldpath:edges_foldAngleRate",
     "foldpath:edges_group",

@@ -260,8 +260,12 @@ fn plates(key: &Frame<'_>) -> Result<Option<PlateOptions>, FileError> {
     ];
     let margin = number("foldpath:margin", MARGIN_DEG, 0.0)?.to_radians();
     let sides = sides.transpose()?.unwrap_or_default();
+    let cuts = key
+        .own("foldpath:cutsCorners")
+        .map_or(Ok(false), |entry| entry.flag())?;
     Ok(Some(plates.with(|it| {
-        (it.hinge_plane, it.gap, it.margin, it.sides) = (plane, gap, margin, sides)
+        (it.hinge_plane, it.gap, it.margin) = (plane, gap, margin);
+        (it.sides, it.cuts_corners) = (sides, cuts);
     })))
 }
 

@@ -1,0 +1,353 @@
+//! How far a motion asks plates to stay back: at hinges, at borders that close, and at corners.
+
+use std::collections::HashMap;
+
+use nalgebra::{Vector2, Vector3};
+
+use super::PlateError;
+use super::solid::cone_separation;
+use crate::folding::{FoldingMap, Pose};
+use crate::motion::{MAX_PLATE_ANGLE_DEG, Motion, PlateOptions};
+use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+
+/// Distance up to which the ends of two borders lie on each other at the end of a motion, median edges.
+const SEAM_EDGES: f64 = 1e-3;
+/// Number of configurations at which corners are looked at, if the sheet is small and at least.
+const SAMPLES: [usize; 2] = [129, 17];
+/// Number of vertices of a small sheet.
+const SMALL_SHEET: usize = 2000;
+/// Depth of two cones in each other up to which they touch, a sine.
+const TOUCHING_SINE: f64 = 1e-9;
+/// Largest cut of a corner over the height at which it is made, and the number of halvings in the search for the least.
+const MAX_CUT: f64 = 32.0;
+const CUT_HALVINGS: u32 = 24;
+/// Part by which a cut is larger than the samples ask for, as the motion goes on between them, and what is added to that.
+const CUT_MARGIN: [f64; 2] = [0.02, 1e-4];
+/// Sine of the angle between two sides up to which they are in line: such a corner is not cut.
+const STRAIGHT_SINE: f64 = 1e-6;
+
+/// How far a motion asks plates to stay back.
+#[derive(Clone, Debug, Default)]
+pub struct Trims {
+    /// For each edge the least and the largest angle to which it closes: of a hinge over the motion, of a border that closes on
+    /// another one at the end. Radians.
+    ranges: Vec<[f64; 2]>,
+    /// Panel, named by its first face, and corner, with the distances that the corner is cut off below and above the hinge
+    /// plane, over the height.
+    cuts: HashMap<(FaceId, VertexId), [f64; 2]>,
+}
+
+impl Trims {
+    /// Finds what a motion asks of plates with these options.
+    #[must_use]
+    pub fn of(motion: &Motion, options: &PlateOptions) -> Self {
+        let pattern = &motion.pattern;
+        let mut trims = Self {
+            ranges: vec![[0.0; 2]; pattern.edges().len()],
+            cuts: HashMap::new(),
+        };
+        for (&edge, range) in pattern.creases().iter().zip(motion.angle_ranges()) {
+            trims.ranges[edge.index()] = range;
+        }
+        trims.add_seams(motion);
+        if options.cuts_corners {
+            trims.cut_corners(motion, options);
+        }
+        trims
+    }
+
+    /// Returns the number of corners that are cut off.
+    #[must_use]
+    pub fn corners_cut(&self) -> usize {
+        self.cuts.len()
+    }
+
+    /// Checks that no hinge turns farther than plates can.
+    pub(super) fn are_possible(&self) -> Result<(), PlateError> {
+        let limit = MAX_PLATE_ANGLE_DEG.to_radians();
+        for (edge, range) in (0..).map(EdgeId).zip(&self.ranges) {
+            let is_good = |angle: &&f64| angle.abs() <= limit;
+            if let Some(&angle) = range.iter().find(|angle| !is_good(angle)) {
+                return Err(PlateError::TurnsTooFar { edge, angle });
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the tangents of half the largest angles of an edge and a margin (radians), as a mountain and as a valley; zeros
+    /// where it does not turn.
+    pub(super) fn tangents(&self, edge: EdgeId, margin: f64) -> [f64; 2] {
+        let [low, high] = self.ranges[edge.index()];
+        [-low, high].map(|most| {
+            if most > 0.0 {
+                ((most + margin) / 2.0).tan()
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// Returns how far a corner of a panel, named by its first face, is cut off below and above the hinge plane, over the
+    /// height.
+    pub(super) fn cut(&self, panel: FaceId, corner: VertexId) -> [f64; 2] {
+        self.cuts.get(&(panel, corner)).copied().unwrap_or_default()
+    }
+
+    /// Finds the borders that lie on each other at the end of the motion, but not in the flat sheet.
+    fn add_seams(&mut self, motion: &Motion) {
+        let pattern = &motion.pattern;
+        let last = motion.knots.len() - 1;
+        let map = FoldingMap::new(pattern, pattern.tree(), &motion.crease_angles(last));
+        let near = SEAM_EDGES * pattern.median_edge();
+        let mut borders: Vec<(f64, Border)> = (0..)
+            .map(EdgeId)
+            .take(pattern.edges().len())
+            .filter_map(|edge| Border::of(pattern, &map, edge))
+            .map(|border| (border.ends[0].x + border.ends[1].x, border))
+            .collect();
+        borders.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (k, (x, a)) in borders.iter().enumerate() {
+            let others = borders[k + 1..].iter();
+            for (_, b) in others.take_while(|(other, _)| other - x <= 2.0 * near) {
+                if a.lies_on(b, pattern, near) {
+                    for (border, other) in [(a, b), (b, a)] {
+                        let angle = border.angle_to(other);
+                        if angle.abs() <= MAX_PLATE_ANGLE_DEG.to_radians() {
+                            let range = &mut self.ranges[border.edge.index()];
+                            *range = [range[0].min(angle), range[1].max(angle)];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Cuts off corners of panels that share a vertex and no hinge at it, where they would pass through each other.
+    fn cut_corners(&mut self, motion: &Motion, options: &PlateOptions) {
+        let pattern = &motion.pattern;
+        let [most, least] = SAMPLES;
+        let count = (most * SMALL_SHEET / pattern.vertices().len().max(1)).clamp(least, most);
+        let [below, above] = [options.hinge_plane > 0.0, options.hinge_plane < 1.0];
+        let first_faces = first_faces(pattern);
+        let mut vertices = Vec::new();
+        for vertex in (0..).map(VertexId).take(pattern.vertices().len()) {
+            let corners: Vec<Corner> = pattern.corners()[vertex.index()]
+                .iter()
+                .filter_map(|&face| {
+                    Corner::of(pattern, face, vertex, |edge| {
+                        self.tangents(edge, options.margin)
+                    })
+                })
+                .collect();
+            let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
+            let apart = pairs.filter(|&[a, b]| {
+                let [a, b] = [&corners[a], &corners[b]];
+                let are_joined = a.edges.iter().any(|edge| b.edges.contains(edge));
+                !are_joined && first_faces[a.face.index()] != first_faces[b.face.index()]
+            });
+            let apart: Vec<_> = apart.collect();
+            vertices.push((vertex, corners, apart));
+        }
+        let mut map = FoldingMap::flat(pattern);
+        let memberships = motion.memberships();
+        let shapes = motion.resampled(count);
+        for knot in &shapes.knots {
+            map.fold_groups(pattern, pattern.tree(), &memberships, &knot.angles);
+            for (vertex, corners, pairs) in &vertices {
+                for &[a, b] in pairs {
+                    let both = [&corners[a], &corners[b]];
+                    let poses = both.map(|corner| &map.poses()[corner.face.index()]);
+                    let keys = both.map(|corner| (first_faces[corner.face.index()], *vertex));
+                    // The sides of each plate to which the other one has risen.
+                    let sides =
+                        [0, 1].map(|k| both[k].side_of(both[1 - k], [poses[k], poses[1 - k]]));
+                    let known = keys.map(|(face, vertex)| self.cut(face, vertex));
+                    let with = |cut: f64| {
+                        [0, 1].map(|k| {
+                            let mut cuts = known[k];
+                            cuts[sides[k]] = cuts[sides[k]].max(cut);
+                            cuts
+                        })
+                    };
+                    let overlap = |cut: f64| {
+                        let cuts = with(cut);
+                        let [a, b] =
+                            [0, 1].map(|k| both[k].cone(cuts[k], [below, above], poses[k]));
+                        cone_separation(&a, &b) < -TOUCHING_SINE
+                    };
+                    if !overlap(0.0) || overlap(MAX_CUT) {
+                        continue;
+                    }
+                    let [mut low, mut high] = [0.0, MAX_CUT];
+                    for _ in 0..CUT_HALVINGS {
+                        let middle = f64::midpoint(low, high);
+                        if overlap(middle) {
+                            low = middle;
+                        } else {
+                            high = middle;
+                        }
+                    }
+                    let cuts = with(high * (1.0 + CUT_MARGIN[0]) + CUT_MARGIN[1]);
+                    for ((key, corner), cuts) in keys.into_iter().zip(both).zip(cuts) {
+                        if corner.may_be_cut {
+                            self.cuts.insert(key, cuts);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns for each face the first face of its panel.
+fn first_faces(pattern: &CreasePattern) -> Vec<FaceId> {
+    let mut first = vec![FaceId::default(); pattern.faces().len()];
+    for panel in pattern.panels() {
+        for face in &panel {
+            first[face.index()] = panel[0];
+        }
+    }
+    first
+}
+
+/// A border edge of a folded sheet.
+struct Border {
+    edge: EdgeId,
+    /// Its ends in space, with its face to the left in the flat sheet.
+    ends: [Vector3<f64>; 2],
+    vertices: [VertexId; 2],
+    /// Direction away from its face, within the plane of the face, and normal of the face.
+    outward: Vector3<f64>,
+    normal: Vector3<f64>,
+}
+
+impl Border {
+    fn of(pattern: &CreasePattern, map: &FoldingMap, edge: EdgeId) -> Option<Self> {
+        let data = pattern.edge(edge);
+        let (face, vertices) = match data.faces {
+            [Some(face), None] => (face, data.ends),
+            [None, Some(face)] => (face, [data.ends[1], data.ends[0]]),
+            _ => return None,
+        };
+        let pose = &map.poses()[face.index()];
+        let along = pattern.direction(edge, vertices[0]);
+        Some(Self {
+            edge,
+            vertices,
+            ends: vertices.map(|end| pose.apply(pattern.vertices()[end.index()])),
+            outward: pose.turn(Vector2::new(along.y, -along.x)),
+            normal: pose.normal(),
+        })
+    }
+
+    /// Returns `true` if two borders lie on each other, within a distance, and did not in the flat sheet.
+    fn lies_on(&self, other: &Self, pattern: &CreasePattern, near: f64) -> bool {
+        let is_near = |turned: bool| {
+            let end = |k: usize| other.ends[if turned { 1 - k } else { k }];
+            (0..2).all(|k| (self.ends[k] - end(k)).norm() <= near)
+        };
+        let place = |vertex: VertexId| pattern.vertices()[vertex.index()];
+        let middle = |border: &Self| {
+            let [a, b] = border.vertices.map(place);
+            (a + b) / 2.0
+        };
+        let was_there = (middle(self) - middle(other)).norm() <= near;
+        !was_there && (is_near(true) || is_near(false))
+    }
+
+    /// Returns the fold angle of the hinge that this border and another one would be, valley positive.
+    fn angle_to(&self, other: &Self) -> f64 {
+        let beyond = -other.outward;
+        beyond.dot(&self.normal).atan2(beyond.dot(&self.outward))
+    }
+}
+
+/// A corner of a face at a vertex.
+struct Corner {
+    face: FaceId,
+    /// The edges before and behind the corner.
+    edges: [EdgeId; 2],
+    /// Unit directions from the vertex along these edges, and inwards from the lines of the edges.
+    along: [Vector2<f64>; 2],
+    inward: [Vector2<f64>; 2],
+    /// For each edge how far the plate stays back from it below and above the hinge plane, over the height.
+    back: [[f64; 2]; 2],
+    /// `true` if the corner is convex and not straight.
+    may_be_cut: bool,
+}
+
+impl Corner {
+    fn of(
+        pattern: &CreasePattern,
+        face: FaceId,
+        vertex: VertexId,
+        tangents: impl Fn(EdgeId) -> [f64; 2],
+    ) -> Option<Self> {
+        let edges = pattern.stars()[vertex.index()].iter().copied();
+        let of_face = edges.filter(|&edge| pattern.edge(edge).faces.contains(&Some(face)));
+        let mut of_face: Vec<EdgeId> = of_face.collect();
+        // The edge behind the corner has the face to its left.
+        let leaves = |edge: &EdgeId| {
+            let edge = pattern.edge(*edge);
+            edge.faces[usize::from(edge.ends[0] != vertex)] == Some(face)
+        };
+        of_face.sort_by_key(leaves);
+        let edges: [EdgeId; 2] = of_face.try_into().ok()?;
+        let along = edges.map(|edge| pattern.direction(edge, vertex));
+        let [before, behind] = along;
+        let sine = behind.perp(&before);
+        Some(Self {
+            face,
+            edges,
+            along,
+            inward: [
+                Vector2::new(before.y, -before.x),
+                Vector2::new(-behind.y, behind.x),
+            ],
+            back: edges.map(tangents),
+            may_be_cut: sine > STRAIGHT_SINE,
+        })
+    }
+
+    /// Returns the side of this corner's plate to which another one has risen: 0 below, 1 above.
+    fn side_of(&self, other: &Self, [pose, other_pose]: [&Pose; 2]) -> usize {
+        let middle = other_pose.turn(other.along[0] + other.along[1]);
+        usize::from(middle.dot(&pose.normal()) > 0.0)
+    }
+
+    /// Returns directions that span the plate as seen from the vertex, if the corner is cut off by so much below and above.
+    fn cone(&self, cuts: [f64; 2], exists: [bool; 2], pose: &Pose) -> Vec<Vector3<f64>> {
+        let mut cone: Vec<Vector3<f64>> = self.along.map(|along| pose.turn(along)).to_vec();
+        let up = pose.normal();
+        for (side, height) in [(0, -1.0), (1, 1.0)] {
+            if exists[side] {
+                let places = self.places(side, cuts[side]);
+                cone.extend(places.into_iter().map(|at| pose.turn(at) + up * height));
+            }
+        }
+        cone.iter_mut()
+            .for_each(|direction| *direction = direction.normalize());
+        cone
+    }
+
+    /// Returns where the sides of the plate meet at height 1, seen from the vertex: one place, or two if the corner is cut off.
+    fn places(&self, side: usize, cut: f64) -> Vec<Vector2<f64>> {
+        let lines = [0, 1].map(|k| (self.inward[k], self.back[k][side]));
+        let meet = |[(a, p), (b, q)]: [(Vector2<f64>, f64); 2]| {
+            let sine = a.perp(&b);
+            (sine.abs() > STRAIGHT_SINE)
+                .then(|| Vector2::new(p * b.y - q * a.y, q * a.x - p * b.x) / sine)
+        };
+        let Some(corner) = meet(lines) else {
+            return vec![lines[0].0 * lines[0].1.max(lines[1].1)];
+        };
+        let inward = self.along[0] + self.along[1];
+        match inward.try_normalize(0.0).filter(|_| self.may_be_cut) {
+            Some(inward) if inward.dot(&corner) < cut => lines
+                .into_iter()
+                .filter_map(|line| meet([line, (inward, cut)]))
+                .collect(),
+            _ => vec![corner],
+        }
+    }
+}
