@@ -200,6 +200,12 @@ impl Pieces {
         self.plates.as_ref().map_or(0.0, |plates| plates.reach())
     }
 
+    /// Returns the thickness of plates; 0 for pieces without one.
+    pub(super) fn thickness(&self) -> f64 {
+        let plates = self.plates.as_ref();
+        plates.map_or(0.0, |plates| plates.options.thickness)
+    }
+
     /// Returns `true` for the pieces of plates.
     pub(super) fn are_solid(&self) -> bool {
         self.plates.is_some()

@@ -22,6 +22,8 @@ pub(super) const CROSSING_DEPTH_RATIO: f64 = 1e-3;
 /// Ratio of the distance by which plates may fail to stay back from a hinge, for rounding, to the depth that counts as a
 /// crossing.
 pub(super) const KEPT_BACK_RATIO: f64 = 1e-3;
+/// Ratio of a tear at a hinge to the thickness of plates up to which it may move the plates into each other there.
+pub(super) const HINGE_TEAR_RATIO: f64 = 1e-3;
 /// Smallest depth that two pieces in contact may gain until the next query, as a fraction of the depth up to which an
 /// overlap is contact. Without it, pieces that rest on each other at that depth would be queried without end.
 pub(super) const MIN_LEFT_RATIO: f64 = 0.005;

@@ -82,6 +82,19 @@ pub struct Times {
     pub collision: Duration,
 }
 
+impl Times {
+    /// Returns the sum with the times of another call.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self {
+            symmetry: self.symmetry + other.symmetry,
+            solve: self.solve + other.solve,
+            place: self.place + other.place,
+            fold: self.fold + other.fold,
+            collision: self.collision + other.collision,
+        }
+    }
+}
+
 /// The reduced problem that the solver worked on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReducedProblem {
@@ -370,6 +383,12 @@ impl Plan {
     pub fn percent(&self) -> f64 {
         let is_end = matches!(self.outcome, Outcome::Planned | Outcome::Undecided);
         percent(self.reached, is_end)
+    }
+
+    /// Returns `true` if it is known that plates are in the way of a motion that the sheet has without a thickness.
+    pub(super) fn knows_plates(&self) -> bool {
+        let reason = self.reason.as_ref();
+        reason.is_some_and(|it| matches!(it, Reason::PlatesCross { .. } | Reason::PlatesNotMade(_)))
     }
 
     /// Returns the number of phases of the motion that are at their end; the last knot counts, too, if a phase ends there.

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::sides::{LEAN_TO_TURN_RATIO, Side};
-use crate::collision::tolerances::MIN_OPENING_RATIO;
+use crate::collision::tolerances::{HINGE_TEAR_RATIO, MIN_OPENING_RATIO};
 use crate::pattern::EdgeId;
 
 /// Bound on the tear between two pieces that share a side.
@@ -49,7 +49,8 @@ impl Sweep<'_> {
         let widest = 2.0 * circles[0].1.min(circles[1].1);
         let edge = self.sheet.pieces.keeps_back(self.pattern, nodes);
         let tear = edge.map(|edge| self.tear_at(edge, widest));
-        let keeps_back = tear.is_some_and(|tear| tear.moved <= allowed);
+        let thin = HINGE_TEAR_RATIO * self.sheet.pieces.thickness();
+        let keeps_back = tear.is_some_and(|tear| tear.moved <= allowed.max(thin));
         self.found.joined += u64::from(keeps_back);
         keeps_back
     }

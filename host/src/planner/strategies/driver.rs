@@ -37,6 +37,9 @@ const FEW_CREASES: usize = 200;
 /// keep the bound.
 const MANY_CREASES: usize = 2000;
 
+/// Bound on deformation and gap within which plates are planned at first.
+const PLATE_BOUND: f64 = 1e-6;
+
 /// The row that the others change.
 const BASE: Row = Row {
     strategy: Strategy::CreaseGroups,
@@ -383,6 +386,8 @@ pub fn plan(pattern: &CreasePattern, goal: &Goal, options: &PlanOptions) -> Plan
 
 /// Plans as [`plan`] does, and reports to `progress`. A call that is cancelled answers [`Outcome::Timeout`], as does
 /// one whose time is up.
+///
+/// Plates are planned within a tighter bound first, so that they keep to their hinges.
 #[must_use]
 pub fn plan_watched(
     pattern: &CreasePattern,
@@ -393,6 +398,41 @@ pub fn plan_watched(
     let deadline = options
         .timeout
         .and_then(|timeout| Instant::now().checked_add(timeout));
+    let mut first = None;
+    if options.plates.is_some() && options.bound > PLATE_BOUND {
+        let tight = options.clone().with(|it| it.bound = PLATE_BOUND);
+        let mut plan = plan_until(pattern, goal, &tight, (deadline, progress));
+        let answer = plan
+            .motion
+            .as_mut()
+            .and_then(|motion| motion.answer.as_mut());
+        if let Some(answer) = answer {
+            answer.bound = options.bound;
+        }
+        if plan.outcome == Outcome::Planned {
+            return plan;
+        }
+        // Another bound does not change that plates pass through each other.
+        if plan.knows_plates() {
+            return plan;
+        }
+        first = Some(plan.effort);
+    }
+    let mut plan = plan_until(pattern, goal, options, (deadline, progress));
+    if let Some(first) = first {
+        plan.effort += first;
+        plan.effort.times = plan.effort.times.plus(&first.times);
+    }
+    plan
+}
+
+/// Plans within the time that is left until a deadline.
+fn plan_until(
+    pattern: &CreasePattern,
+    goal: &Goal,
+    options: &PlanOptions,
+    (deadline, progress): (Option<Instant>, &Progress),
+) -> Plan {
     let precision = goal.precision(pattern);
     let mut pattern = pattern.clone();
     pattern.written_with(precision);
