@@ -4,6 +4,8 @@
                               the sheet, by MuJoCo's own kinematics
     judge.py drive FOLDER     starts 2 % up the path, moves the actuators alone along the motion, and waits for a second;
                               the largest distance of a hinge from the goal in degrees
+    judge.py plates FOLDER    sets every hinge of the tree along the motion; the least distance of two panels that are meshes,
+                              below 0 if they are in each other, over the extent of the model
     judge.py drake FOLDER     loads the model into Drake and counts
 
 FOLDER has the model (scene.xml and meshes) and motion.csv, the angles of all hinges in degrees at a fixed rate.
@@ -60,6 +62,20 @@ def loops(folder):
     return {"times": len(times), "bodies": model.nbody - 1, "joints": model.njnt, "loops": model.neq // 2, "error": worst}
 
 
+def plates(folder):
+    mujoco, model, data, times, addresses, table = load(folder)
+    worst = numpy.inf
+    for row in table:
+        data.qpos[addresses] = row
+        mujoco.mj_kinematics(model, data)
+        for a in range(model.ngeom):
+            for b in range(a):
+                apart = numpy.linalg.norm(data.geom_xpos[a] - data.geom_xpos[b])
+                if apart <= model.geom_rbound[a] + model.geom_rbound[b]:
+                    worst = min(worst, mujoco.mj_geomDistance(model, data, a, b, 1.0, None))
+    return {"times": len(times), "worst": worst / model.stat.extent}
+
+
 def drive(folder):
     mujoco, model, data, times, addresses, table = load(folder)
     end = times[-1]
@@ -92,5 +108,5 @@ def drake(folder):
 
 if __name__ == "__main__":
     question, folder = sys.argv[1:]
-    answer = {"loops": loops, "drive": drive, "drake": drake}[question](pathlib.Path(folder))
+    answer = {"loops": loops, "plates": plates, "drive": drive, "drake": drake}[question](pathlib.Path(folder))
     print(json.dumps(answer))

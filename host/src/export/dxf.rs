@@ -1,15 +1,18 @@
 //! Writes DXF: the flat sheet as lines on the layers CUT, MOUNTAIN, VALLEY, FLAT and UNASSIGNED, for laser cutters and CAD
-//! programs.
+//! programs. Of a path whose panels are plates, writes what is cut ([`CutSheet`]).
 //!
 //! The bytes are the same at any time and in any place: dates and identifiers in the header are fixed. Coordinates have 12
 //! decimals.
 
-use ::dxf::entities::{Entity, EntityType, Line};
+use ::dxf::entities::{Circle, Entity, EntityType, Line, LwPolyline, Text};
 use ::dxf::enums::{AcadVersion, Units};
 use ::dxf::tables::Layer;
-use ::dxf::{Color, Drawing, Point};
+use ::dxf::{Color, Drawing, LwPolylineVertex, Point};
+use nalgebra::Vector2;
 
-use super::{Export, Made, Sink};
+use super::cut_sheet::{self, CutSheet};
+use super::{Export, Made, Sink, Source};
+use crate::motion::Motion;
 use crate::pattern::{CreasePattern, Letter, Unit};
 use crate::read::FileError;
 
@@ -25,12 +28,36 @@ const LAYERS: [(&str, u8); 5] = [
 /// Makes the drawing.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let pattern = export.source.pattern();
-    let mut bytes = Vec::new();
-    drawing(pattern).save(&mut bytes).map_err(|error| {
-        let expected = "a sheet that DXF can hold";
-        FileError::expected(export.name, "the file", expected, error.to_string())
-    })?;
-    sink("", bytes)?;
+    let save = |drawing: Drawing| {
+        let mut bytes = Vec::new();
+        let saved = drawing.save(&mut bytes);
+        saved.map(|()| bytes).map_err(|error| {
+            let expected = "a sheet that DXF can hold";
+            FileError::expected(export.name, "the file", expected, error.to_string())
+        })
+    };
+    if let Source::Motion(Motion {
+        plates: Some(_), ..
+    }) = export.source
+    {
+        let sheet = CutSheet::of(export)?;
+        sink("", save(cut_drawing(&sheet, pattern.unit()))?)?;
+        let told = format!("outlines of {} plates by layers", sheet.outlines.len());
+        return Ok(Made {
+            told,
+            notes: sheet.notes,
+        });
+    }
+    if export.options.kerf > 0.0 {
+        let (expected, found) = ("a path with plates, for a kerf", "none");
+        return Err(FileError::expected(
+            export.name,
+            "foldpath:thickness",
+            expected,
+            found,
+        ));
+    }
+    sink("", save(drawing(pattern))?)?;
     let mut made = Made::told(format!("{} edges by layers", pattern.edges().len()));
     if pattern.edges().iter().any(|edge| edge.goal.is_some()) {
         let note = "goal angles left out: a DXF drawing has none";
@@ -39,11 +66,64 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
     Ok(made)
 }
 
-fn drawing(pattern: &CreasePattern) -> Drawing {
+/// Returns the drawing of plates to be cut.
+fn cut_drawing(sheet: &CutSheet, unit: Option<Unit>) -> Drawing {
+    let layers = cut_sheet::LAYERS.map(|layer| (layer.name, layer.aci));
+    let mut drawing = empty(&layers, unit);
+    let point = |at: &Vector2<f64>| Point::new(at.x, at.y, 0.0);
+    let mut add = |layer: &cut_sheet::Layer, kind: EntityType| {
+        let mut entity = Entity::new(kind);
+        entity.common.layer = layer.name.into();
+        drawing.add_entity(entity);
+    };
+    for outline in &sheet.outlines {
+        let vertices = outline.iter().map(|at| LwPolylineVertex {
+            x: at.x,
+            y: at.y,
+            ..LwPolylineVertex::default()
+        });
+        let mut closed = LwPolyline {
+            vertices: vertices.collect(),
+            ..LwPolyline::default()
+        };
+        closed.set_is_closed(true);
+        add(&cut_sheet::CUT, EntityType::LwPolyline(closed));
+    }
+    for ([from, to], is_valley) in &sheet.folds {
+        let layer = if *is_valley {
+            &cut_sheet::VALLEY
+        } else {
+            &cut_sheet::MOUNTAIN
+        };
+        add(layer, EntityType::Line(Line::new(point(from), point(to))));
+    }
+    for (middle, radius) in &sheet.holes {
+        add(
+            &cut_sheet::HOLE,
+            EntityType::Circle(Circle::new(point(middle), *radius)),
+        );
+    }
+    for number in &sheet.numbers {
+        // The middle of the digits, for which about two thirds of their height are their width.
+        #[allow(clippy::cast_precision_loss, reason = "a few digits")]
+        let half = Vector2::new(number.text.len() as f64 / 3.0, 0.5) * number.height;
+        let text = Text {
+            location: point(&(number.at - half)),
+            text_height: number.height,
+            value: number.text.clone(),
+            ..Text::default()
+        };
+        add(&cut_sheet::TEXT, EntityType::Text(text));
+    }
+    drawing
+}
+
+/// Returns an empty drawing with these layers and their colours.
+fn empty(layers: &[(&str, u8)], unit: Option<Unit>) -> Drawing {
     let mut drawing = Drawing::new();
     let header = &mut drawing.header;
     header.version = AcadVersion::R2000;
-    header.default_drawing_units = units(pattern.unit());
+    header.default_drawing_units = units(unit);
     header.fingerprint_guid = Default::default();
     header.version_guid = Default::default();
     let midnight = Default::default();
@@ -52,13 +132,18 @@ fn drawing(pattern: &CreasePattern) -> Drawing {
     header.creation_date = midnight.into();
     header.creation_date -= header.creation_date.naive_local() - midnight.naive_utc();
     header.update_date = header.creation_date;
-    for (name, colour) in LAYERS {
+    for &(name, colour) in layers {
         drawing.add_layer(Layer {
             name: name.into(),
             color: Color::from_index(colour),
             ..Layer::default()
         });
     }
+    drawing
+}
+
+fn drawing(pattern: &CreasePattern) -> Drawing {
+    let mut drawing = empty(&LAYERS, pattern.unit());
     for edge in pattern.edges() {
         let ends = edge.ends.map(|end| pattern.vertices()[end.index()]);
         let [from, to] = ends.map(|at| Point::new(at.x, at.y, 0.0));

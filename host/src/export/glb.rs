@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 use super::{Export, Made, Sink, single};
 use crate::folding::{STEP, shapes};
 use crate::motion::Motion;
+use crate::pattern::Unit;
 use crate::read::FileError;
 
 /// Base colours: linear, opaque.
@@ -42,7 +43,7 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
     let frames = export.resampled()?;
     let frames = frames.unwrap_or_else(|| motion.with_steps(STEP));
     // Lengths of glTF are metres.
-    let frames = frames.in_metres().unwrap_or(frames);
+    let frames = frames.in_unit(Unit::Metre).unwrap_or(frames);
     let faces = motion.pattern.faces().len();
     sink("", content(&frames, export.name)?)?;
     let frames = frames.knots.len();

@@ -7,7 +7,8 @@
 //! - Each crease off the tree is closed by two `connect` constraints at its ends.
 //! - The hinges that drive the sheet near flat are in the tree wherever they can be, and have position actuators. If they
 //!   are not known, every hinge of the tree has one.
-//! - Panels that share a vertex do not collide with each other; meshes are slabs, whose corners would touch.
+//! - Meshes are the plates that the path was planned for, one for each convex part, or else thin slabs. Panels that share a
+//!   vertex do not collide with each other, as the corners of slabs would touch.
 //! - There is a keyframe for each knot, with the angles of the joints and of the actuators.
 //!
 //! Lengths are in metres if the unit of the pattern is known, or else in units of the pattern.
@@ -21,6 +22,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::mjcf_panels::{Joint, Panels};
+use super::stl::plates_of;
 use super::{Export, Made, Sink, escaped};
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, Unit, VertexId};
@@ -63,8 +65,9 @@ pub struct Model {
 /// Makes the files.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let motion = export.motion()?;
-    let metres = motion.in_metres();
-    let model = model(metres.as_ref().unwrap_or(motion), export.name)?;
+    let metres = motion.in_unit(Unit::Metre);
+    let metres = metres.as_ref().unwrap_or(motion);
+    let model = made_of(metres, export.name, export.options.density)?;
     let driven = if model.drivers_known {
         "that drive the sheet near flat"
     } else {
@@ -89,13 +92,26 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
 /// # Errors
 /// If the sheet has no area.
 pub fn model(motion: &Motion, file: &Path) -> Result<Model, FileError> {
+    made_of(motion, file, None)
+}
+
+/// Makes the model of a motion whose panels have this density, kilograms per cubic metre; `None` for masses in proportion to
+/// the size of the sheet.
+fn made_of(motion: &Motion, file: &Path, density: Option<f64>) -> Result<Model, FileError> {
     let pattern = &motion.pattern;
     let groups = CreaseGroups::find(pattern);
     let drivers = forecast(pattern, &groups, Watch::default()).drivers(pattern, &groups);
     let panels = Panels::of(pattern, &drivers);
-    let masses = Masses::of(pattern, panels.len()).ok_or_else(|| {
+    let plates = motion.plates.map(|_| plates_of(motion, file)).transpose()?;
+    let thickness = plates
+        .as_ref()
+        .map_or(THICKNESS_EDGES * pattern.median_edge(), |plates| {
+            plates.options.thickness
+        });
+    let masses = Masses::of(pattern, panels.len(), thickness, density).ok_or_else(|| {
         FileError::expected(file, "faces_vertices", "a sheet with an area", "none")
     })?;
+    let meshes = panels.meshes(pattern, plates.as_ref(), thickness / 2.0);
     let joints: Vec<EdgeId> = panels.joints().map(|joint| joint.edge).collect();
     let known: Vec<EdgeId> = joints
         .iter()
@@ -104,12 +120,10 @@ pub fn model(motion: &Motion, file: &Path) -> Result<Model, FileError> {
         .collect();
     let drivers_known = !known.is_empty();
     let actuators = if drivers_known { known } else { joints.clone() };
-    let scene = scene(motion, &panels, &masses, &actuators);
+    let scene = scene(motion, (&panels, &meshes), &masses, &actuators);
     let mut files = vec![("scene.xml".to_string(), scene.into_bytes())];
-    let half = THICKNESS_EDGES * pattern.median_edge() / 2.0;
-    for panel in 0..panels.len() {
-        let mesh = panels.mesh(pattern, panel, half);
-        files.push((format!("{}.obj", panels.name(panel)), mesh.into_bytes()));
+    for (name, mesh) in meshes.into_iter().flatten() {
+        files.push((format!("{name}.obj"), mesh.into_bytes()));
     }
     Ok(Model {
         files,
@@ -132,9 +146,15 @@ struct Masses {
 }
 
 impl Masses {
-    fn of(pattern: &CreasePattern, panels: usize) -> Option<Self> {
+    /// Returns the masses of a sheet of this thickness, of this density or else of mass 1 for each square of the median edge.
+    fn of(
+        pattern: &CreasePattern,
+        panels: usize,
+        thickness: f64,
+        density: Option<f64>,
+    ) -> Option<Self> {
         let edge = pattern.median_edge();
-        let density = 1.0 / (edge * edge * THICKNESS_EDGES * edge);
+        let density = density.unwrap_or(1.0 / (edge * edge * thickness));
         let triangles = pattern.triangles().items().iter().map(|triangle| {
             let [a, b, c] = triangle.map(|v| pattern.vertices()[v.index()]);
             ((b - a).perp(&(c - a)).abs() / 2.0, (a + b + c) / 3.0)
@@ -152,7 +172,7 @@ impl Masses {
         let moments = triangles
             .iter()
             .map(|(area, at)| area * (at - middle).norm_squared());
-        let mass_of_area = 1.0 / (edge * edge);
+        let mass_of_area = density * thickness;
         #[allow(clippy::cast_precision_loss, reason = "of what fits in memory")]
         let panel_area = area / panels as f64;
         let panel = mass_of_area * panel_area * panel_area / 3.0;
@@ -164,16 +184,20 @@ impl Masses {
     }
 }
 
-fn scene(motion: &Motion, panels: &Panels, masses: &Masses, actuators: &[EdgeId]) -> String {
+fn scene(
+    motion: &Motion,
+    (panels, meshes): (&Panels, &[Vec<(String, String)>]),
+    masses: &Masses,
+    actuators: &[EdgeId],
+) -> String {
     let pattern = &motion.pattern;
     let mut text = head(&motion.title, motion.pattern.unit(), masses);
     // Writing to memory cannot fail.
-    for panel in 0..panels.len() {
-        let name = panels.name(panel);
+    for (name, _) in meshes.iter().flatten() {
         let _complete = writeln!(text, "    <mesh name=\"{name}\" file=\"{name}.obj\"/>");
     }
     text += "  </asset>\n  <worldbody>\n";
-    bodies(&mut text, pattern, panels);
+    bodies(&mut text, pattern, (panels, meshes));
     text += "  </worldbody>\n  <contact>\n";
     for [a, b] in sharing_vertices(pattern, panels) {
         let [a, b] = [a, b].map(|panel| panels.name(panel));
@@ -261,7 +285,11 @@ fn keyframes(text: &mut String, motion: &Motion, panels: &Panels, actuators: &[E
 }
 
 /// Writes the bodies, each inside its parent, in the order of [`Panels::joints`].
-fn bodies(text: &mut String, pattern: &CreasePattern, panels: &Panels) {
+fn bodies(
+    text: &mut String,
+    pattern: &CreasePattern,
+    (panels, meshes): (&Panels, &[Vec<(String, String)>]),
+) {
     let mut open: Vec<usize> = Vec::new();
     for &(panel, joint) in &panels.order {
         let parent = joint.map(|joint: Joint| joint.parent);
@@ -283,10 +311,12 @@ fn bodies(text: &mut String, pattern: &CreasePattern, panels: &Panels) {
                 axis.x, axis.y
             );
         }
-        let _complete = writeln!(
-            text,
-            "      {margin}<geom name=\"{name}\" mesh=\"{name}\"/>"
-        );
+        for (mesh, _) in &meshes[panel] {
+            let _complete = writeln!(
+                text,
+                "      {margin}<geom name=\"{mesh}\" mesh=\"{mesh}\"/>"
+            );
+        }
         open.push(panel);
     }
     while open.pop().is_some() {

@@ -4,6 +4,7 @@ use core::fmt::Write;
 
 use nalgebra::Vector2;
 
+use crate::collision::{PlateMesh, Plates};
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::union_find::UnionFind;
 
@@ -130,6 +131,40 @@ impl Panels {
         self.order.iter().filter_map(|(_, joint)| joint.as_ref())
     }
 
+    /// Returns for each panel its meshes in Wavefront OBJ with their names: the convex parts of its plates or, without plates, a
+    /// slab from `half` below the flat sheet to `half` above.
+    pub(super) fn meshes(
+        &self,
+        pattern: &CreasePattern,
+        plates: Option<&Plates>,
+        half: f64,
+    ) -> Vec<Vec<(String, String)>> {
+        let of_panel = |panel: usize| {
+            let name = self.name(panel);
+            let Some(plates) = plates else {
+                return vec![(name, self.mesh(pattern, panel, half))];
+            };
+            let mut of_panel: Vec<usize> = self.faces[panel]
+                .iter()
+                .map(|face| plates.of_face[face.index()])
+                .collect();
+            of_panel.sort_unstable();
+            of_panel.dedup();
+            let parts = of_panel
+                .into_iter()
+                .flat_map(|plate| plates.convex_meshes(pattern, plate));
+            let parts: Vec<String> = parts.map(|mesh| obj(&mesh)).collect();
+            match parts.len() {
+                1 => parts.into_iter().map(|part| (name.clone(), part)).collect(),
+                _ => (0..)
+                    .zip(parts)
+                    .map(|(k, part): (usize, _)| (format!("{name}_{k}"), part))
+                    .collect(),
+            }
+        };
+        (0..self.len()).map(of_panel).collect()
+    }
+
     /// Returns a panel as a closed mesh in Wavefront OBJ: a slab from `half` below the flat sheet to `half` above.
     pub(super) fn mesh(&self, pattern: &CreasePattern, panel: usize, half: f64) -> String {
         let faces = &self.faces[panel];
@@ -175,4 +210,21 @@ impl Panels {
         let faces = edge.and_then(|edge| pattern.edge(*edge).inner_faces());
         faces.is_none_or(|faces| faces.iter().any(|face| self.of_face[face.index()] != panel))
     }
+}
+
+/// Returns a mesh in Wavefront OBJ.
+fn obj(mesh: &PlateMesh) -> String {
+    let mut text = String::new();
+    // Writing to memory cannot fail.
+    for at in &mesh.vertices {
+        let _complete = writeln!(text, "v {} {} {}", at.x, at.y, at.z);
+    }
+    for [a, b, c] in mesh
+        .triangles
+        .iter()
+        .map(|corners| corners.map(|corner| corner + 1))
+    {
+        let _complete = writeln!(text, "f {a} {b} {c}");
+    }
+    text
 }

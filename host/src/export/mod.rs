@@ -2,6 +2,7 @@
 //! what `foldpath export` makes. A format is a file of this folder with a row here.
 
 pub mod csv;
+mod cut_sheet;
 #[cfg(feature = "dxf")]
 mod dxf;
 pub mod fold;
@@ -12,6 +13,7 @@ pub mod mjcf;
 mod mjcf_panels;
 pub mod obj_sequence;
 pub mod rust;
+mod stl;
 mod stuck_hinge;
 pub mod svg_pattern;
 pub mod traj;
@@ -81,6 +83,12 @@ pub struct ExportOptions {
     pub bound: Option<f64>,
     /// Drives on which it depends what a stuck hinge costs.
     pub drives: Drives,
+    /// Places all plates in one file, folded as at the end of the path.
+    pub assembled: bool,
+    /// Width of the cut by which outlines are larger, half on each side, units of the sheet.
+    pub kerf: f64,
+    /// Density of the panels, kilograms per cubic metre; `None` for masses in proportion to the size of the sheet.
+    pub density: Option<f64>,
 }
 
 crate::util::changed_one_by_one!(ExportOptions);
@@ -197,24 +205,33 @@ pub const FORMATS: &[Format] = &[
         name: "svg",
         text: "Coloured drawing of the crease pattern",
         place: Place::File,
-        options: &["colour", "numbers"],
+        options: &["colour", "numbers", "kerf"],
         needs: |options| options.colour.needs(),
         make: svg_pattern::made,
     },
     #[cfg(feature = "dxf")]
     Format {
         name: "dxf",
-        text: "Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side",
+        text: "Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side; of plates, their \
+               outlines",
         place: Place::File,
-        options: &[],
+        options: &["kerf"],
         needs: |_| Needs::PathOrPattern,
         make: dxf::made,
+    },
+    Format {
+        name: "stl",
+        text: "Plates for printers and mills: a folder with a file for each form, in millimetres, and a list with their numbers",
+        place: Place::Folder,
+        options: &["assembled"],
+        needs: path,
+        make: stl::made,
     },
     Format {
         name: "mjcf",
         text: "Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel",
         place: Place::Folder,
-        options: &[],
+        options: &["density"],
         needs: path,
         make: mjcf::made,
     },

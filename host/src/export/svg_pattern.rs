@@ -11,6 +11,7 @@ use core::fmt::Write;
 use foldpath_core::Membership;
 use nalgebra::Vector2;
 
+use super::cut_sheet::CutSheet;
 use super::{Export, Made, Needs, Sink, Source, escaped, single};
 use crate::colours::{hex, of_group, ramp};
 use crate::folding::{STEP, deformation_of_faces};
@@ -45,6 +46,8 @@ pub enum Colour {
     Groups,
     /// Largest deformation of each face along the path.
     Deformation,
+    /// Layers of what is cut from a board: the outlines of plates, fold lines, holes and numbers.
+    Plates,
 }
 
 impl Colour {
@@ -53,7 +56,7 @@ impl Colour {
         match self {
             Self::Letters => Needs::Pattern,
             Self::Groups => Needs::PathOrPattern,
-            Self::Deformation => Needs::Path,
+            Self::Deformation | Self::Plates => Needs::Path,
         }
     }
 }
@@ -62,6 +65,25 @@ impl Colour {
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let title = export.source.title();
     let pattern = export.source.pattern();
+    if export.options.colour == Colour::Plates {
+        let cut = CutSheet::of(export)?;
+        let unit = pattern.unit().map_or("", |unit| match unit {
+            Unit::Millimetre => "mm",
+            Unit::Centimetre => "cm",
+            Unit::Inch => "in",
+            Unit::Point => "pt",
+            _ => "",
+        });
+        sink(
+            "",
+            cut.svg(title, (unit, pattern.median_edge())).into_bytes(),
+        )?;
+        let told = format!("outlines of {} plates by layers", cut.outlines.len());
+        return Ok(Made {
+            told,
+            notes: cut.notes,
+        });
+    }
     let (mut sheet, told) = match (export.options.colour, export.source) {
         (Colour::Letters, _) => {
             let told = format!("{} edges by letters", pattern.edges().len());
@@ -80,7 +102,7 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
                 format!("{} crease groups of the pattern", ranges.len()),
             )
         }
-        (Colour::Deformation, _) => {
+        (Colour::Deformation | Colour::Plates, _) => {
             let faces = deformation_of_faces(export.motion()?);
             let sheet = by_deformation(title, pattern, &faces);
             (sheet, format!("{} faces by deformation", faces.len()))

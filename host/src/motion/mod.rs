@@ -384,12 +384,12 @@ impl Motion {
         Arc::make_mut(&mut self.pattern).measured_in(Some(unit));
     }
 
-    /// Returns this motion with lengths in metres; `None` if its unit is not known.
+    /// Returns this motion with lengths in another unit; `None` if its own unit is not known.
     #[must_use]
-    pub fn in_metres(&self) -> Option<Self> {
-        let factor = self.pattern.unit()?.metres();
+    pub fn in_unit(&self, unit: Unit) -> Option<Self> {
+        let factor = self.pattern.unit()?.metres() / unit.metres();
         let mut motion = self.clone();
-        motion.pattern = Arc::new(self.pattern.scaled(factor, Unit::Metre)?);
+        motion.pattern = Arc::new(self.pattern.scaled(factor, unit)?);
         motion.plates = self.plates.map(|plates| plates.scaled(factor));
         for knot in &mut motion.knots {
             knot.vertices.iter_mut().for_each(|at| *at *= factor);

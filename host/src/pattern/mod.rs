@@ -46,4 +46,5 @@ pub use rigidity::Rigidity;
 pub(crate) use trace::twice_area;
 pub(crate) use tree::bodies;
 pub use tree::{SpanningTree, Step};
+pub(crate) use triangulate::triangulate;
 pub use unit::Unit;

@@ -8,7 +8,7 @@ use robust::{Coord, orient2d};
 ///
 /// Clips the ear with the largest smallest angle first, which leaves no triangle without area where vertices lie on a
 /// straight side. Cost: O(n²) for n corners.
-pub(super) fn triangulate(polygon: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
+pub(crate) fn triangulate(polygon: &[Vector2<f64>]) -> Option<Vec<[usize; 3]>> {
     let count = polygon.len();
     let mut open = vec![true; count];
     let mut tips: Vec<Tip> = (0..count)

@@ -32,6 +32,10 @@ use crate::util::range::Range;
 const RESOLUTION_DEG: Range = Range::from("degrees", 0.0).up_to(180.0);
 /// Time by which drives and sensors are late.
 const LATE_S: Range = Range::from("seconds", 0.0).up_to(60.0);
+/// Width of a cut.
+const KERF: Range = Range::from("a length", 0.0);
+/// Density of a material.
+const DENSITY_KG_PER_M3: Range = Range::above("kilograms per cubic metre", 0.0);
 /// Time after which a command stops.
 pub(super) const TIMEOUT_S: Range = Range::from("seconds", 0.0);
 
@@ -270,6 +274,17 @@ options! {
 
         /// With svg: meaning of the colours
         colour: Colour = Colour::Letters;
+
+        /// With stl: one file with all plates, folded as at the end of the path
+        assembled: bool = false;
+
+        /// With dxf, or svg and --colour plates: width of the cut, by half of which outlines are larger, in the drawing's unit
+        kerf: f64 = 0.0, value_name: "LENGTH", range: Some(KERF);
+
+        /// With mjcf: density of the panels, kilograms per cubic metre
+        ///
+        /// Without it masses are in proportion to the size of the sheet.
+        density: Option<f64> = None, value_name: "KG_PER_M3", range: Some(DENSITY_KG_PER_M3);
 
         /// With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
         numbers: bool = false;

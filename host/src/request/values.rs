@@ -274,6 +274,7 @@ named! {
         "letters": Self::Letters, "Colours of Origami Simulator: mountain red, valley blue and so on; the opacity is the goal angle";
         "groups": Self::Groups, "Crease groups, each with the range of its angles";
         "deformation": Self::Deformation, "Largest deformation of each face along the path";
+        "plates": Self::Plates, "Layers to cut plates from a board: CUT, MOUNTAIN, VALLEY, HOLE and TEXT";
     }
     Objective {
         "max": Self::Max, "The worst vertex";

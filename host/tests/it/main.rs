@@ -16,6 +16,7 @@ mod module_order;
 mod nonsense;
 mod overshoot;
 mod planner_order;
+mod plates;
 mod progress;
 mod second_order;
 mod sweep;

@@ -30,6 +30,7 @@ mod open_shapes;
 mod oracle;
 mod physics;
 mod plans;
+mod plates;
 mod ports;
 mod reuse;
 mod rounded;

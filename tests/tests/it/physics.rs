@@ -4,12 +4,14 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use foldpath::collision::{PlateError, Plates, Trims};
 use foldpath::export::{csv, mjcf};
 use foldpath::generate::Miura;
-use foldpath::motion::Motion;
-use foldpath::pattern::CreasePattern;
-use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
+use foldpath::motion::{Motion, PlateOptions, PlateSides};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::planner::{Goal, Outcome, PlanOptions, PlateRequest, plan};
 use foldpath::read::read_pattern;
+use nalgebra::Vector2;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -219,4 +221,97 @@ fn another_engine_counts_the_same_loops() {
         let (folder, model) = exported(&sheet);
         check_counts(&sheet.name, &ask(&python, "drake", &folder), &model);
     }
+}
+
+/// Depth, over the extent of a model, up to which meshes of single precision touch.
+const TOUCHING: f64 = 1e-6;
+
+/// Returns the least distance of two plates along a motion by the engine, over the extent of the model.
+fn least_distance(python: &Path, motion: Motion) -> f64 {
+    let sheet = Planned {
+        name: "plates".into(),
+        certified: 0.0,
+        motion: motion.at_times((0..=40).map(|k| {
+            let last = motion.knots.last().map_or(0.0, |knot| knot.time);
+            last * f64::from(k) / 40.0
+        })),
+    };
+    let (folder, _) = exported(&sheet);
+    ask(python, "plates", &folder)["worst"].as_f64().unwrap()
+}
+
+/// Plates as thick as is proved keep apart for the engine, too. Where a panel is used up first, there are none a little
+/// thicker; where panels pass through each other, the engine finds them in each other.
+#[test]
+fn plates_as_thick_as_is_proved_keep_apart() {
+    let Some(python) = python("mujoco") else {
+        return;
+    };
+    let miura = Miura {
+        rows: 4,
+        columns: 4,
+        sector_angle: 60_f64.to_radians(),
+        fold: 150.0 / 180.0,
+    };
+    // The ends of a strip that is folded into a ring come near each other.
+    let strip = Drawing {
+        vertices: (0..10)
+            .map(|k| Vector2::new(f64::from(k / 2), f64::from(k % 2)))
+            .collect(),
+        edges: (0..5)
+            .map(|k| ([2 * k, 2 * k + 1], (1..4).contains(&k)))
+            .chain((0..8).map(|k| ([k, k + 2], false)))
+            .map(|(ends, folds)| DrawnEdge {
+                ends,
+                letter: if folds {
+                    Letter::Valley
+                } else {
+                    Letter::Boundary
+                },
+                goal: folds.then_some(84_f64.to_radians()),
+            })
+            .collect(),
+        faces: None,
+    };
+    let (mut crossed, mut used_up) = (0, 0);
+    for (name, drawing) in [("miura", miura.drawing().unwrap()), ("strip", strip)] {
+        let pattern = CreasePattern::new(drawing).unwrap();
+        for (plane, sides) in [
+            (0.5, PlateSides::Taper),
+            (0.5, PlateSides::Inset),
+            (0.0, PlateSides::Taper),
+        ] {
+            let plates = PlateOptions::of_thickness(0.0)
+                .with(|it| (it.hinge_plane, it.sides) = (plane, sides));
+            let options =
+                PlanOptions::default().with(|it| it.plates = Some(PlateRequest::thickest(plates)));
+            let plan = plan(&pattern, &Goal::of_pattern(&pattern).unwrap(), &options);
+            let motion = plan.motion.unwrap();
+            let [proved, refuted] = plan.max_thickness.unwrap();
+            assert!(
+                proved > 0.0 && refuted <= 1.01 * proved,
+                "{name}: {proved} {refuted}"
+            );
+            let least = least_distance(&python, motion.clone());
+            println!(
+                "{name}, hinge plane {plane}, {sides:?}: {proved:.4}, {refuted:.4}; least distance {least:.1e}"
+            );
+            assert!(least >= -TOUCHING, "{name} {plane} {sides:?}: {least:e}");
+            let mut thicker = motion;
+            thicker.plates = thicker
+                .plates
+                .map(|it| it.with(|it| it.thickness = 1.05 * refuted));
+            let trims = Trims::of(&thicker, &thicker.plates.unwrap());
+            match Plates::new(&pattern, &trims, &thicker.plates.unwrap()) {
+                Err(PlateError::UsedUp { .. }) => used_up += 1,
+                made => {
+                    made.unwrap();
+                    let least = least_distance(&python, thicker);
+                    assert!(least < -TOUCHING, "{name} {plane} {sides:?}: {least:e}");
+                    crossed += 1;
+                }
+            }
+        }
+    }
+    assert!(crossed >= 2 && used_up >= 2, "{crossed} {used_up}");
 }

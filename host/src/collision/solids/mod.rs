@@ -9,11 +9,13 @@
 //! A plate is given by its outlines at a few heights, between which it is straight. It is a convex solid, or a union of such
 //! ([`solid`]).
 
+mod mesh;
 mod outline;
 pub(super) mod solid;
 mod thickest;
 mod trims;
 
+pub use mesh::PlateMesh;
 pub(crate) use thickest::thickest;
 pub use thickest::{Thickest, TooThick};
 pub use trims::Trims;
@@ -89,6 +91,24 @@ impl Plate {
         let place =
             |outline: &Vec<[Vector2<f64>; 2]>| corner.map_or(inside, |corner| outline[corner]);
         self.outlines.iter().map(place).collect()
+    }
+
+    /// Returns one of its outlines after all sides have moved outwards by a distance; `None` if nothing is left of it.
+    fn grown(&self, layer: usize, by: f64) -> Option<Vec<Vector2<f64>>> {
+        let mut corners: Vec<Vector2<f64>> =
+            self.outlines[layer].iter().flatten().copied().collect();
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        let next = corners.iter().cycle().skip(1);
+        let sides = corners.iter().zip(next).map(|(from, to)| Side {
+            from: *from,
+            along: (to - from).normalize(),
+            inset: -by,
+        });
+        let ends = inset(&sides.collect::<Vec<_>>(), |_| false).ok()?;
+        Some(ends.into_iter().map(|[start, _]| start).collect())
     }
 
     /// Returns its outline at one height after its sides and corners have moved inwards by these distances.
@@ -238,6 +258,13 @@ impl Plates {
             }
         }
         Ok(plates)
+    }
+
+    /// Returns the outline of a plate at one of the heights after its sides have moved outwards by a distance; `None` if nothing
+    /// is left of it.
+    #[must_use]
+    pub fn grown(&self, plate: usize, layer: usize, by: f64) -> Option<Vec<Vector2<f64>>> {
+        self.list[plate].grown(layer, by)
     }
 
     /// Returns the largest distance of a point of a plate from the hinge plane.

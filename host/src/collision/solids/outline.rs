@@ -63,7 +63,7 @@ pub(super) fn inset(
             .map(|at| {
                 let [side, before] = [left[at], left[(at + left.len() - 1) % left.len()]];
                 // A corner whose sides stay keeps its place to the last digit.
-                let stays = sides[before].inset <= 0.0 && sides[side].inset <= 0.0;
+                let stays = sides[before].inset.abs() <= 0.0 && sides[side].inset.abs() <= 0.0;
                 if stays && (before + 1) % count == side {
                     sides[side].from
                 } else {

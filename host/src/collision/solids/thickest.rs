@@ -13,6 +13,8 @@ const NEAR_ENOUGH: f64 = 1.01;
 const RANGES: [f64; 2] = [1.5, 1.002];
 /// Ratio of the least thickness that is tried to the median edge.
 const LEAST_EDGES: f64 = 1e-5;
+/// Ratio of the thickness at which a panel is used up to the largest that is tried.
+const USED_UP_ROOM: f64 = 1.005;
 /// Number of halvings in the search for the thickness at which a panel is used up.
 const HALVINGS: u32 = 40;
 
@@ -88,7 +90,8 @@ pub(crate) fn thickest(
         if matches!(last, PlateError::TurnsTooFar { .. }) {
             return found;
         }
-        most = low;
+        // Something is left of the panel.
+        most = low / USED_UP_ROOM;
     }
     let is_taper = options.sides == PlateSides::Taper;
     // Solids that contain the plates of all smaller thicknesses; a crossing of theirs refutes tapered plates alone.

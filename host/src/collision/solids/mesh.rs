@@ -1,0 +1,123 @@
+//! Closed meshes of plates.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::Plates;
+use crate::pattern::{CreasePattern, triangulate};
+
+/// A closed mesh in the frame of the flat sheet, whose triangles are counter-clockwise seen from outside.
+#[derive(Clone, Debug, Default)]
+pub struct PlateMesh {
+    /// Positions of the vertices.
+    pub vertices: Vec<Vector3<f64>>,
+    /// The vertices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl PlateMesh {
+    /// Returns the volume.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        let origin = self.vertices.first().copied().unwrap_or_default();
+        let volumes = self.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize] - origin);
+            a.cross(&b).dot(&c) / 6.0
+        });
+        volumes.sum()
+    }
+
+    /// Returns the number of a vertex, which is added if it is new.
+    fn vertex(&mut self, at: Vector3<f64>) -> u32 {
+        let known = self.vertices.iter().position(|vertex| *vertex == at);
+        let index = known.unwrap_or_else(|| {
+            self.vertices.push(at);
+            self.vertices.len() - 1
+        });
+        u32::try_from(index).unwrap_or(u32::MAX)
+    }
+
+    fn triangle(&mut self, [a, b, c]: [u32; 3]) {
+        if a != b && b != c && c != a {
+            self.triangles.push([a, b, c]);
+        }
+    }
+}
+
+impl Plates {
+    /// Returns the mesh of the plate of this number in the [`list`](Self::list).
+    #[must_use]
+    pub fn mesh(&self, plate: usize) -> PlateMesh {
+        let outlines = self.list[plate].outlines.iter().zip(&self.heights);
+        let ring = |(outline, height): (&Vec<[Vector2<f64>; 2]>, &f64)| {
+            let places = outline.iter().flatten();
+            places.map(|at| at.push(*height)).collect()
+        };
+        PlateMesh::between(outlines.map(ring))
+    }
+
+    /// Returns the meshes of the convex parts of a plate.
+    #[must_use]
+    pub fn convex_meshes(&self, pattern: &CreasePattern, plate: usize) -> Vec<PlateMesh> {
+        let plate = &self.list[plate];
+        let parts = plate.parts.iter().map(|part| {
+            let columns: Vec<_> = part
+                .iter()
+                .map(|&vertex| plate.places(pattern, vertex))
+                .collect();
+            let rings = self.heights.iter().enumerate().map(|(layer, height)| {
+                let places = columns.iter().flat_map(|column| column[layer]);
+                places.map(|at| at.push(*height)).collect()
+            });
+            PlateMesh::between(rings.collect::<Vec<_>>())
+        });
+        parts.collect()
+    }
+}
+
+impl PlateMesh {
+    /// Returns the mesh between rings of as many places each, from the lowest to the highest. Places fall together where a
+    /// corner is not cut off.
+    fn between(rings: impl IntoIterator<Item = Vec<Vector3<f64>>>) -> Self {
+        let mut mesh = Self::default();
+        let rings: Vec<Vec<u32>> = rings
+            .into_iter()
+            .map(|ring| ring.into_iter().map(|at| mesh.vertex(at)).collect())
+            .collect();
+        for pair in rings.windows(2) {
+            let [lower, upper] = [&pair[0], &pair[1]];
+            let next = |k: usize| (k + 1) % lower.len();
+            for k in 0..lower.len() {
+                let [a, b, c, d] = [lower[k], lower[next(k)], upper[next(k)], upper[k]];
+                mesh.triangle([a, b, c]);
+                mesh.triangle([a, c, d]);
+            }
+        }
+        if let [lowest, .., highest] = &rings[..] {
+            for [a, b, c] in mesh.cap(lowest) {
+                mesh.triangle([c, b, a]);
+            }
+            for corners in mesh.cap(highest) {
+                mesh.triangle(corners);
+            }
+        }
+        mesh
+    }
+
+    /// Returns the triangles of a flat ring of vertices, counter-clockwise seen from above.
+    fn cap(&self, ring: &[u32]) -> Vec<[u32; 3]> {
+        let mut ring = ring.to_vec();
+        ring.dedup();
+        while ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+        let places: Vec<Vector2<f64>> = ring
+            .iter()
+            .map(|&k| self.vertices[k as usize].xy())
+            .collect();
+        let triangles = triangulate(&places).unwrap_or_default();
+        triangles
+            .into_iter()
+            .map(|corners| corners.map(|k| ring[k]))
+            .collect()
+    }
+}
