@@ -482,17 +482,8 @@ fn the_oracle_sees_plates_in_each_other() {
 
 #[test]
 fn no_motion_holds_on_which_plates_pass_through_each_other() {
-    let tally = judged(0..240);
+    let tally = judged(0..1000);
     println!("{tally:?}");
-    assert!(tally.held >= 60 && tally.refused >= 40, "{tally:?}");
-    assert!(50 * tally.clear <= 240, "{tally:?}");
-}
-
-/// `cargo test --release -p foldpath-tests --test it plates:: -- --ignored --nocapture` judges a thousand motions.
-#[test]
-#[ignore = "a minute; the full tier runs it"]
-fn of_a_thousand_motions_none_holds_on_which_plates_pass_through_each_other() {
-    let tally = judged(1000..2000);
-    println!("{tally:?}");
+    assert!(tally.held >= 600 && tally.refused >= 200, "{tally:?}");
     assert!(50 * tally.clear <= 1000, "{tally:?}");
 }

@@ -243,6 +243,45 @@ impl PlacedSolid<'_> {
         })
     }
 
+    /// Returns planes that have this solid behind them and another one ahead, but for `depth`, by their normals and a point:
+    /// those parallel to a facet of one or to an edge of each, and those half way between two of them.
+    pub(in crate::collision) fn planes_before(
+        &self,
+        other: &Self,
+        depth: f64,
+    ) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let normals = self
+            .turned(&self.solid.normals)
+            .chain(other.turned(&other.solid.normals));
+        let others: Vec<_> = other.turned(&other.solid.edges).collect();
+        let edges = self.turned(&self.solid.edges).flat_map(|edge| {
+            let across = others.iter().filter_map(move |other| {
+                let direction = edge.cross(other);
+                let sine = direction.norm();
+                (sine > SAME_SINE).then(|| direction / sine)
+            });
+            across.collect::<Vec<_>>()
+        });
+        let plane = |normal: Vector3<f64>| {
+            let [_, high] = extent(self.points, &normal);
+            let [low, _] = extent(other.points, &normal);
+            let last = self
+                .points
+                .iter()
+                .max_by(|a, b| normal.dot(a).total_cmp(&normal.dot(b)))?;
+            (low >= high - depth).then_some((normal, *last))
+        };
+        let both = normals.chain(edges).flat_map(|normal| [normal, -normal]);
+        let mut planes: Vec<_> = both.filter_map(plane).collect();
+        for b in 0..planes.len() {
+            for a in 0..b {
+                let between = (planes[a].0 + planes[b].0).try_normalize(SAME_SINE);
+                planes.extend(between.and_then(plane));
+            }
+        }
+        planes
+    }
+
     /// Returns a lower bound of the distance of two solids or, if they overlap, the negative of the least way that parts them.
     /// The bound is above 0 if they are apart.
     pub(in crate::collision) fn separation(&self, other: &Self) -> f64 {

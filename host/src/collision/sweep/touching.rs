@@ -173,30 +173,43 @@ impl Sweep<'_> {
         let planes = both
             .iter()
             .zip(above.map_or([None; 2], |above| above.map(Some)));
-        let planes: Vec<Parted> = if let Some(solids) = placed.solids([a, b]) {
-            let [a, b] = &solids;
-            let both = [(a, b, &turns[0]), (b, a, &turns[1])].into_iter();
-            let planes = both.map(|(fixed, moving, turns)| {
-                let planes = fixed.planes().map(|(normal, point)| (normal, point, None));
-                parted_by(planes, moving.points, turns, room)
-            });
-            planes.flatten().collect()
-        } else {
-            planes
+        // Each solid with the other one, and the turns that lead from it to the other.
+        let solids = placed.solids([a, b]);
+        let solids = solids
+            .as_ref()
+            .map(|[a, b]| [(a, b, &turns[0]), (b, a, &turns[1])]);
+        let planes: Vec<Parted> = match solids {
+            Some(both) => both
+                .into_iter()
+                .flat_map(|(fixed, moving, turns)| {
+                    let planes = fixed.planes().map(|(normal, point)| (normal, point, None));
+                    parted_by(planes, moving.points, turns, room)
+                })
+                .collect(),
+            None => planes
                 .flat_map(|(([a, b], turns), above)| {
                     parted(&piece(*a), &piece(*b), turns, above, room)
                 })
-                .collect()
+                .collect(),
         };
         let mut reached = self.held(&groups, [until, next], &mut changes, |changes| {
             planes.iter().any(|plane| plane.holds(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
         if reached < next
-            && above.is_none()
             && stalled >= SIDES_AFTER
-            && !self.sheet.pieces.are_solid()
+            && let Some(both) = solids
         {
+            let planes = both.map(|(fixed, moving, turns)| {
+                let planes = fixed.planes_before(moving, room.largest()).into_iter();
+                let planes = planes.map(|(normal, point)| (normal, point, None));
+                parted_by(planes, moving.points, turns, room)
+            });
+            reached = self.held(&groups, [reached, next], &mut changes, |changes| {
+                let mut planes = planes.iter().flatten();
+                planes.any(|plane| plane.holds(changes, room))
+            });
+        } else if reached < next && above.is_none() && stalled >= SIDES_AFTER {
             let planes =
                 both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
             reached = self.held(&groups, [reached, next], &mut changes, |changes| {
