@@ -12,6 +12,7 @@
 //! |---|---|---|---|
 //! | `Pieces::comparable`, `Sweep::classify` | of one face | they move as one | `host/tests/it/bends.rs`: a panel that bends is several faces |
 //! | `Sweep::classify_side` | joined at a side | the tear moves no point of the smaller piece farther than contact; they turn about the side, by half a turn at most (`Sweep::overturned`) | `torn_sides.rs`, `exact.rs` |
+//! | `Sweep::keeps_back` | plates joined at a hinge | each lies on its side of the plane that halves the angle between them; the tear moves them into each other by no more than a thousandth of their thickness | `plates.rs`, the oracle; `physics.rs` |
 //! | `Sweep::open_until` | joined at a side that is torn by more | the angle between them is so large that the tear cannot move one into the other (`sides.rs`) | `torn_sides.rs` |
 //! | `Side::may_cross` | joined at a side, at one configuration | the measured tear moves no point of the smaller piece farther than contact | `torn_sides.rs`, fans that cross at a knot |
 //! | `Sweep::after` | any | the variation of the angles between them times levers, and twice the tears, are within their distance or angle | `campaign.rs`, torn motions; `exact.rs` |

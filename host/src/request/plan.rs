@@ -9,6 +9,7 @@ use super::options::PlanRequest;
 use super::order::Order;
 use super::table::Request as _;
 use super::values::{EdgeAngles, Frames};
+use crate::motion::{MAX_PLATE_ANGLE_DEG, PlateSides};
 use crate::pattern::{CreaseId, CreasePattern};
 use crate::planner::{
     Foldability, Goal, GoalError, HingeLimit, Outcome, Plan, PlanOptions, Search, forecast,
@@ -57,6 +58,7 @@ impl PlanRequest {
         let (goal, last_step) = self.goal_of(name, &file.pattern, read_goal)?;
         options.keep_vertices = stores_vertices && self.frames == Frames::Full;
         options.limits = self.limits_of(&file.pattern)?;
+        self.check_plates(&file.pattern, &goal)?;
         options.validate().map_err(RequestError::from)?;
         Ok(PlanTask {
             held_flat: self.held_flat(&file.pattern, &goal),
@@ -137,6 +139,29 @@ impl PlanRequest {
             (goal.via, last_step) = (stops, Some(last));
         }
         Ok((goal, last_step))
+    }
+
+    /// Checks that plates can be made as they are asked for.
+    fn check_plates(&self, pattern: &CreasePattern, goal: &Goal) -> Result<(), RequestError> {
+        if self.thickness.is_none() {
+            return Ok(());
+        }
+        if self.gap > 0.0 && self.panels == PlateSides::Taper {
+            let problem = "expected with --panels inset, as tapered plates meet at their hinges";
+            return Err(RequestError::option("gap", problem));
+        }
+        let angles = pattern.creases().iter().zip(&goal.fold_angles);
+        let mut far = angles.filter_map(|(edge, angle)| Some((edge, angle.map(f64::to_degrees)?)));
+        match far.find(|(_, degrees)| degrees.abs() > MAX_PLATE_ANGLE_DEG) {
+            None => Ok(()),
+            Some((edge, degrees)) => {
+                let problem = format!(
+                    "expected hinges that turn by at most {MAX_PLATE_ANGLE_DEG} degrees, but the goal of edge {edge} is \
+                     {degrees:.6}: tapers would have no end"
+                );
+                Err(RequestError::option("thickness", problem))
+            }
+        }
     }
 
     /// Returns the limits of the hinges.

@@ -1,12 +1,15 @@
 //! Plates: trims and volumes against closed forms, how thick plates may be, and what is refused.
 
 use core::f64::consts::{FRAC_PI_2, PI};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use foldpath::check::{CheckOptions, Failure, check};
 use foldpath::collision::{PlateError, Plates, Trims};
 use foldpath::export::fold::motion_text;
+use foldpath::export::svg_pattern::Colour;
+use foldpath::export::{ExportOptions, Format, Source};
 use foldpath::generate::Miura;
 use foldpath::motion::{Motion, PlateOptions, PlateSides};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
@@ -128,13 +131,13 @@ fn plates_of_a_cube_have_the_volumes_of_frusta() {
     let places = [[0, 0], [1, 0], [2, 0], [3, 0], [1, 1], [1, -1]];
     let hinges = [[0, 1], [1, 2], [2, 3], [1, 4], [1, 5]];
     let pattern = squares(&places, &hinges, FRAC_PI_2);
-    for (plane, inside) in [(0.5, 0.05), (0.0, 0.1), (1.0, 0.0)] {
+    for (plane, inside) in [(0.5, 0.05_f64), (0.0, 0.1), (1.0, 0.0)] {
         let options = PlateOptions::of_thickness(0.1).with(|it| it.hinge_plane = plane);
         let motion = planned(&pattern, &with_plates(PlateRequest::given(options)));
         assert!(check(&motion, &CheckOptions::default()).holds());
         let plates = Plates::new(&pattern, &Trims::of(&motion, &options), &options).unwrap();
         // At height z inside, the square is smaller by z on each side.
-        let frustum = (1.0 - (1.0 - 2.0 * inside as f64).powi(3)) / 6.0;
+        let frustum = (1.0 - (1.0 - 2.0 * inside).powi(3)) / 6.0;
         for plate in 0..6 {
             let volume = plates.mesh(plate).volume();
             assert!(
@@ -287,4 +290,83 @@ fn corners_that_are_in_the_way_are_cut_off() {
         matches!(failures[..], [Failure::PlatesCross { .. }]),
         "{failures:?}"
     );
+}
+
+/// Every export of plates is a whole file, and each mesh is closed: each side of a triangle belongs to one other triangle.
+#[test]
+fn plates_are_exported_as_closed_meshes_and_outlines() {
+    let plates = PlateOptions::of_thickness(0.05).with(|it| it.sides = PlateSides::Inset);
+    let motion = planned(&miura(4, 3), &with_plates(PlateRequest::given(plates)));
+    let made = |name: &str, options: &ExportOptions| {
+        let mut files = Vec::new();
+        let format = Format::named(name).unwrap();
+        let told = format.make(
+            Source::Motion(&motion),
+            Path::new("p"),
+            options,
+            &mut |name, content| {
+                files.push((name.to_string(), String::from_utf8(content).unwrap()));
+                Ok(())
+            },
+        );
+        told.map(|_| files)
+    };
+    let options = ExportOptions::default();
+    let stl = made("stl", &options).unwrap();
+    let (list, solids) = stl.split_last().unwrap();
+    assert_eq!(list.0, "panels.csv");
+    let counts = list
+        .1
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(1).unwrap());
+    assert_eq!(
+        counts
+            .map(|count| count.parse::<usize>().unwrap())
+            .sum::<usize>(),
+        12
+    );
+    let assembled = made("stl", &options.with(|it| it.assembled = true)).unwrap();
+    assert_eq!(assembled[0].1.matches("endsolid").count(), 12);
+    for (name, text) in solids {
+        let corners: Vec<&str> = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("vertex "))
+            .collect();
+        let mut sides: HashMap<[&str; 2], i32> = HashMap::new();
+        for triangle in corners.chunks(3) {
+            for k in 0..3 {
+                let [a, b] = [triangle[k], triangle[(k + 1) % 3]];
+                *sides.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+            }
+        }
+        assert!(
+            sides.len() >= 18 && sides.values().all(|count| *count == 0),
+            "{name}"
+        );
+    }
+    let wide = options.with(|it| (it.kerf, it.colour) = (0.02, Colour::Plates));
+    for (name, options) in [
+        ("svg", &wide),
+        ("dxf", &wide.with(|it| it.colour = Colour::Letters)),
+    ] {
+        let [(_, text)] = &made(name, options).unwrap()[..] else {
+            panic!("{name}")
+        };
+        for layer in ["CUT", "MOUNTAIN", "VALLEY", "HOLE", "TEXT"] {
+            assert!(text.contains(layer), "{name}: {layer}");
+        }
+    }
+    // Without plates there is nothing to cut.
+    let thin = Motion {
+        plates: None,
+        ..motion.clone()
+    };
+    let none = Format::named("stl").unwrap().make(
+        Source::Motion(&thin),
+        Path::new("p"),
+        &options,
+        &mut |_, _| Ok(()),
+    );
+    assert!(none.unwrap_err().to_string().contains("foldpath:thickness"));
 }

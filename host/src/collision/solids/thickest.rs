@@ -161,7 +161,7 @@ pub(crate) fn thickest(
 /// Returns the diagonal of the flat sheet.
 fn extent(pattern: &CreasePattern) -> f64 {
     let [low, high] = pattern.vertices().iter().fold(
-        [f64::INFINITY, f64::NEG_INFINITY].map(|end| nalgebra::Vector2::repeat(end)),
+        [f64::INFINITY, f64::NEG_INFINITY].map(nalgebra::Vector2::repeat),
         |[low, high], at| [low.inf(at), high.sup(at)],
     );
     (high - low).norm()
