@@ -87,7 +87,7 @@ options! {
         /// The motion is that of the thin sheet; plates are trimmed at hinges as far as it needs, and are judged along it: no
         /// two of them may pass through each other. With max the answer names a thickness that is proved, and one at most 1 %
         /// larger that is not possible, with what is in the way.
-        thickness: Option<Thickness> = None, heading: "Plates", value_name: "T|max" => |plan, thickness| {
+        thickness: Option<Thickness> = None, heading: "Plates", value_name: "T" => |plan, thickness| {
             plan.plates = thickness.map(|thickness| match thickness {
                 Thickness::Length(length) => PlateRequest::given(PlateOptions::of_thickness(length)),
                 Thickness::Max => PlateRequest::thickest(PlateOptions::of_thickness(0.0)),

@@ -103,6 +103,8 @@ pub enum Kind {
     EdgeAngle,
     /// A text such as `7=-30..60`: an edge with a range of angles.
     EdgeRange,
+    /// A finite number, or a name in its place.
+    NumberOrName,
     /// Another text.
     Text,
 }

@@ -105,7 +105,7 @@ pub enum Thickness {
 }
 
 impl OptionValue for Thickness {
-    const KIND: Kind = Kind::Text;
+    const KIND: Kind = Kind::NumberOrName;
 
     fn read(value: &Value) -> Result<Self, String> {
         word(value, "a length above 0, or max", |word| match word {
@@ -141,7 +141,7 @@ impl Default for HingePlane {
 }
 
 impl OptionValue for HingePlane {
-    const KIND: Kind = Kind::Text;
+    const KIND: Kind = Kind::NumberOrName;
 
     fn read(value: &Value) -> Result<Self, String> {
         word(

@@ -15,7 +15,7 @@ from ._convert import File, Floats, Integers, contiguous, floats, integers, is_f
 from ._error import FoldpathError
 from ._pattern import Source, content
 
-Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "mjcf", "joint-trajectory"]
+Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "stl", "mjcf", "joint-trajectory"]
 
 
 class Motion:
@@ -108,7 +108,10 @@ class Motion:
         rate: float | None = None,
         per: Literal["hinge", "group"] | None = None,
         frames: int | None = None,
-        colour: Literal["letters", "groups", "deformation"] | None = None,
+        colour: Literal["letters", "groups", "deformation", "plates"] | None = None,
+        assembled: bool | None = None,
+        kerf: float | None = None,
+        density: float | None = None,
         numbers: bool | None = None,
         bound: float | None = None,
         resolution: float | None = None,
@@ -126,7 +129,8 @@ class Motion:
         - ``obj``: Sequence of Wavefront OBJ files, one for each frame; ``file`` is a folder, or the beginning of the names
         - ``glb``: Binary glTF 2.0 with the motion as an animation
         - ``svg``: Coloured drawing of the crease pattern
-        - ``dxf``: Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side
+        - ``dxf``: Drawing of the flat sheet for CAD programs and laser cutters, with a layer for each fold side; of plates, their outlines
+        - ``stl``: Plates for printers and mills: a folder with a file for each form, in millimetres, and a list with their numbers; ``file`` is a folder
         - ``mjcf``: Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel; ``file`` is a folder
         - ``joint-trajectory``: ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
 
@@ -139,6 +143,11 @@ class Motion:
           frame for each knot. By default glb also has frames between the knots, so that no hinge turns by more than 6
           degrees from one frame to the next
         - ``colour``: With svg: meaning of the colours
+        - ``assembled``: With stl: one file with all plates, folded as at the end of the path
+        - ``kerf``: With dxf, or svg and --colour plates: width of the cut, by half of which outlines are larger, in
+          the drawing's unit
+        - ``density``: With mjcf: density of the panels, kilograms per cubic metre. Without it masses are in
+          proportion to the size of the sheet
         - ``numbers``: With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
         - ``bound``: With traj or rust: slow the path down, so that a hinge that sticks tears the sheet by no more
           than this gap. The gap is the distance between the positions that faces give one vertex, over the median

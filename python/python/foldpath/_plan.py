@@ -76,6 +76,11 @@ def plan(
     order: str | None = None,
     orders: int | None = None,
     goal_tolerance: float = 1.0,
+    thickness: float | str | None = None,
+    hinge_plane: float | str = "middle",
+    panels: Literal["taper", "inset"] = "taper",
+    gap: float = 0.0,
+    margin: float = 0.0,
     limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | None = None,
     keep: bool = False,
     symmetry: Literal["auto", "off"] = "auto",
@@ -138,6 +143,15 @@ def plan(
       In any two of them some hinges fold in the opposite order. The path folds in the first. Orders are found if the
       hinges turn freely, as where no vertex lies inside the sheet and there is no hole that hinges go round
     - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
+    - ``thickness``: Make the panels plates of this thickness, in the drawing's unit, or as thick as the motion allows
+      (max). The motion is that of the thin sheet; plates are trimmed at hinges as far as it needs, and are judged
+      along it: no two of them may pass through each other. With max the answer names a thickness that is proved, and
+      one at most 1 % larger that is not possible, with what is in the way
+    - ``hinge_plane``: Height of the hinges in the plates: middle, top, bottom, or a fraction of the thickness from
+      the lower face
+    - ``panels``: Sides of plates at hinges
+    - ``gap``: With --panels inset: least distance of the sides of plates from a hinge, in the drawing's unit
+    - ``margin``: Angle by which hinges could turn farther than the motion does before plates touch, degrees
     - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
       from 0
     - ``keep``: Write the path as far as it goes, even if the answer is no

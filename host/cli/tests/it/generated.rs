@@ -89,6 +89,7 @@ mod python {
             Kind::File => "File".into(),
             Kind::EdgeAngle => "Mapping[int, float] | Iterable[str] | str".into(),
             Kind::EdgeRange => "Mapping[int, tuple[float, float]] | Iterable[str] | str".into(),
+            Kind::NumberOrName => "float | str".into(),
             _ => String::from("str"),
         };
         let none = if default == "None" { " | None" } else { "" };
@@ -268,6 +269,9 @@ fn the_schema_has_every_option() {
             _ => "string",
         };
         schema.insert("type".into(), kind.into());
+        if info.kind == Kind::NumberOrName {
+            schema.insert("type".into(), json!(["number", "string"]));
+        }
         if kind == "integer" {
             schema.insert("minimum".into(), 0.into());
         }
@@ -294,6 +298,7 @@ fn the_schema_has_every_option() {
             ]);
         } else if info.is_optional {
             match schema.get_mut("type") {
+                Some(Value::Array(kinds)) => kinds.push("null".into()),
                 Some(kind) => *kind = json!([kind.take(), "null"]),
                 None => drop(
                     schema
@@ -313,7 +318,7 @@ fn the_schema_has_every_option() {
                 let names: Vec<Value> = names.chain([Value::Null]).collect();
                 return json!({"enum": names, "description": sentences(info.text)});
             }
-            Kind::Number | Kind::Count => json!(["number", "string", "null"]),
+            Kind::Number | Kind::Count | Kind::NumberOrName => json!(["number", "string", "null"]),
             Kind::Flag => json!(["boolean", "null"]),
             _ if info.is_repeated => json!(["array", "string", "null"]),
             _ => json!(["string", "null"]),
@@ -483,6 +488,7 @@ fn every_option_is_set_by_its_name() {
             Kind::Names(names) => json!(names.last().unwrap().0),
             Kind::EdgeAngle => json!(["4=-45", "5=30"]),
             Kind::EdgeRange => json!("7=-30..60"),
+            Kind::NumberOrName => json!(0.25),
             _ => json!(match info.name {
                 "colors" | "layers" => "red=V",
                 "order" => "4 / 2-3=90,1",

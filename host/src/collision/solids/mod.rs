@@ -50,7 +50,7 @@ pub enum PlateError {
     },
     /// Nothing is left of a panel, or not of its side at an edge, once its sides stay back as they have to.
     #[error(
-        "panel {face} is used up at a thickness of {thickness}: its sides stay back so far from the hinges that nothing is \
+        "panel {face} is used up at a thickness of {thickness:.6}: its sides stay back so far from the hinges that nothing is \
          left at edge {edge}"
     )]
     UsedUp {
