@@ -103,7 +103,9 @@ impl CutSheet {
             })
         });
         let outlines: Vec<_> = outlines.collect::<Result<_, _>>()?;
-        let radii = radii(&plates, layer, pattern);
+        // The cut takes half its width of the room.
+        let radii = radii(&plates, layer, pattern).into_iter();
+        let radii: Vec<f64> = radii.map(|radius| (radius - grown).max(0.0)).collect();
         let ranges = motion.angle_ranges();
         let folds = pattern
             .creases()

@@ -9,7 +9,7 @@ use super::Motion;
 use crate::util::range::Range;
 
 /// Thickness of plates.
-pub const THICKNESS: Range = Range::above("a length", 0.0);
+pub const THICKNESS: Range = Range::above("a length", 0.0).up_to(1e50);
 /// Distance of upright sides from their hinges.
 pub const GAP: Range = Range::from("a length", 0.0);
 /// Height of the hinge plane in a plate, over its thickness.

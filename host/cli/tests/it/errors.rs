@@ -85,6 +85,16 @@ fn usage() {
         info sheet.cp --colors red=V
         export path.fold --to csv --tolerance 0.1 -o a.csv
         export path.fold --to svg --colors red=V --colour deformation -o a.svg
+        plan miura.fold --thickness 0
+        plan miura.fold --thickness thin
+        plan miura.fold --thickness 0.1 --gap 0.1
+        plan miura.fold --thickness 0.1 --panels round
+        plan miura.fold --thickness 0.1 --hinge-plane side
+        plan miura.fold --thickness 0.1 --margin 45
+        plan miura.fold --thickness 0.1 --fold 1
+        export path.fold --to stl -o panels
+        export path.fold --to csv --kerf 0.1 -o a.csv
+        export path.fold --to dxf --kerf 0.1 -o a.dxf
         plan miura.fold --max-speed 0
         plan miura.fold --max-speed=-1
         plan miura.fold --max-accel 0
