@@ -63,7 +63,7 @@ pub(super) struct Number {
     pub(super) height: f64,
 }
 
-/// What is drawn, in units of the sheet.
+/// The lines, holes and numbers of a drawing, in units of the sheet.
 pub(super) struct CutSheet {
     /// Closed outlines.
     pub(super) outlines: Vec<Vec<Vector2<f64>>>,

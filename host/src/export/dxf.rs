@@ -1,5 +1,5 @@
 //! Writes DXF: the flat sheet as lines on the layers CUT, MOUNTAIN, VALLEY, FLAT and UNASSIGNED, for laser cutters and CAD
-//! programs. Of a path whose panels are plates, writes what is cut ([`CutSheet`]).
+//! programs. If the panels of a path are plates, it has their outlines ([`CutSheet`]).
 //!
 //! The bytes are the same at any time and in any place: dates and identifiers in the header are fixed. Coordinates have 12
 //! decimals.

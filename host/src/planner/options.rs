@@ -108,7 +108,7 @@ pub struct HingeLimit {
 /// Thickness of plates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Thickness {
-    /// That of the options.
+    /// The thickness of the options.
     Given,
     /// The largest that is proved.
     Max,

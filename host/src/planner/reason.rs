@@ -278,7 +278,7 @@ pub enum Note {
     FoundAtRandom,
     /// Plates were asked for, but there is no path to the goal on which to judge them.
     PlatesNotJudged,
-    /// How thick the plates may be.
+    /// The largest thickness of the plates.
     Thickest(Thickest),
     /// This number of corners of plates is cut off, as they would pass through each other.
     CornersCut(usize),

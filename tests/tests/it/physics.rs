@@ -240,8 +240,8 @@ fn least_distance(python: &Path, motion: Motion) -> f64 {
     ask(python, "plates", &folder)["worst"].as_f64().unwrap()
 }
 
-/// Plates as thick as is proved keep apart for the engine, too. Where a panel is used up first, there are none a little
-/// thicker; where panels pass through each other, the engine finds them in each other.
+/// Plates as thick as is proved keep apart for the engine, too. Of plates a little thicker than is
+/// refuted, a panel is used up, or the engine finds two of them in each other.
 #[test]
 fn plates_as_thick_as_is_proved_keep_apart() {
     let Some(python) = python("mujoco") else {

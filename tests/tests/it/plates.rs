@@ -409,7 +409,7 @@ fn shared(planes: &[(Vector3<f64>, f64)]) -> f64 {
     room.fold(f64::INFINITY, f64::min)
 }
 
-/// What became of some motions.
+/// Numbers of motions by their answers.
 #[derive(Debug, Default)]
 struct Tally {
     held: usize,

@@ -172,7 +172,7 @@ pub struct Plates {
     pub list: Vec<Plate>,
     /// The plate of each face.
     pub of_face: Vec<usize>,
-    /// How far the motion asks the plates to stay back.
+    /// Distances by which the motion asks the plates to stay back.
     trims: Trims,
 }
 

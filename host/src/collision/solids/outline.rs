@@ -26,8 +26,8 @@ impl Side {
         self.from + self.inward() * self.inset
     }
 
-    /// Returns the point in which the lines of this side and of another that follows it meet. Where they are in line, the
-    /// inner one of the two lines counts.
+    /// Returns the point in which the lines of this side and of another that follows it meet. If they are in line,
+    /// the inner line counts.
     fn meet(&self, next: &Self) -> Vector2<f64> {
         let sine = self.along.perp(&next.along);
         if sine.abs() > STRAIGHT_SINE {

@@ -28,7 +28,7 @@ pub enum TooThick {
     NotMade(PlateError),
 }
 
-/// How thick plates may be.
+/// The largest thickness of plates, between two bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Thickest {
@@ -40,7 +40,7 @@ pub struct Thickest {
     pub is_open: bool,
 }
 
-/// What a search for crossings says of plates.
+/// Answer of a search for crossings of plates.
 enum Tried {
     Free,
     Refuted(TooThick),

@@ -1,4 +1,4 @@
-//! How far a motion asks plates to stay back: at hinges, at borders that close, and at corners.
+//! Distances by which a motion asks plates to stay back: at hinges, at borders that close, and at corners.
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ const CUT_MARGIN: [f64; 2] = [0.02, 1e-4];
 /// Sine of the angle between two sides up to which they are in line: such a corner is not cut.
 const STRAIGHT_SINE: f64 = 1e-6;
 
-/// How far a motion asks plates to stay back.
+/// Distances by which a motion asks plates to stay back.
 #[derive(Clone, Debug, Default)]
 pub struct Trims {
     /// For each edge the least and the largest angle to which it closes: of a hinge over the motion, of a border that closes on

@@ -74,13 +74,13 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
     }
 }
 
-/// What is known of plates.
+/// Knowledge of plates.
 enum Answer {
     /// Plates of the thickness asked for.
     Verdict(SweepVerdict),
-    /// How thick they may be.
+    /// Their largest thickness.
     Thickest(Thickest),
-    /// What keeps them from being made.
+    /// The plates cannot be made.
     No(TooThick),
 }
 
@@ -141,7 +141,7 @@ impl Judged {
     }
 }
 
-/// What the search for crossings of plates needs.
+/// The motion on which plates are judged.
 struct Judge<'a> {
     asked: &'a PlanningProblem<'a>,
     motion: &'a Motion,
