@@ -124,6 +124,7 @@ pub(crate) fn try_phases(
         strategy: context.row.strategy,
         outcome,
         reason,
+        reached: found.as_ref().map_or(0.0, |plan| plan.reached),
         seconds: start.elapsed().as_secs_f64(),
     });
     found
