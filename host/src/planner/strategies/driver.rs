@@ -205,7 +205,7 @@ static STRATEGIES: [Row; 19] = [
         strategy: Strategy::BendingPanels,
         is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
         run: bend_least,
-        is_better: leads_farther_bent,
+        is_better: leads_farther,
         ..BASE
     },
     other_seed(0),
@@ -323,16 +323,8 @@ fn proves_less_deformation(new: &Plan, best: &Plan) -> bool {
     !(new.outcome != Outcome::Planned || new.proved() >= best.proved())
 }
 
-/// Returns `true` if a plan is found or, where the best so far ends before the goal, a path that leads farther.
+/// Returns `true` if a plan is found, or a path that leads farther than the best so far, whatever ends it.
 fn leads_farther(new: &Plan, best: &Plan) -> bool {
-    let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
-    let short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
-    let farther = ends_before(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
-    new.outcome == Outcome::Planned || short && farther
-}
-
-/// Returns `true` if a plan is found whose panels bend, or a path that leads farther than the best so far with rigid ones.
-fn leads_farther_bent(new: &Plan, best: &Plan) -> bool {
     let farther = is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || farther && new.motion.is_some()
 }
