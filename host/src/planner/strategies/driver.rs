@@ -97,7 +97,7 @@ static STRATEGIES: [Row; 19] = [
                 context,
                 attempts,
                 Reason::NoFoldSequence,
-                |problem, goal| fold_in_split_phases(problem, goal, context.best),
+                |problem, _, straight, leg| fold_in_split_phases(problem, leg, straight),
             )
         },
         ..BASE
@@ -110,9 +110,12 @@ static STRATEGIES: [Row; 19] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |problem, leg| {
-                fold_in_sequence(problem, context.route?, leg)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoFoldSequence,
+                |problem, route, _, leg| fold_in_sequence(problem, route, leg),
+            )
         },
         ..BASE
     },
@@ -125,9 +128,12 @@ static STRATEGIES: [Row; 19] = [
             crosses && !splits_phases(context.problem, plan)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoWayRound, |problem, leg| {
-                lead_round_crossings(problem, leg, context.best)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoWayRound,
+                |problem, _, straight, leg| lead_round_crossings(problem, leg, straight),
+            )
         },
         ..BASE
     },
