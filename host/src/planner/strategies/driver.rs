@@ -240,7 +240,7 @@ const fn other_seed(seed: u64) -> Row {
             let is_new = context.row.seed != Some(context.problem.options.seed);
             is_new && context.best.effort.is_random && context.is_unplanned()
         },
-        is_better: leads_farther,
+        is_better: leads_farther_uncrossed,
         ..BASE
     }
 }
@@ -333,6 +333,15 @@ fn proves_less_deformation(new: &Plan, best: &Plan) -> bool {
 fn leads_farther(new: &Plan, best: &Plan) -> bool {
     let farther = is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || farther && new.motion.is_some()
+}
+
+/// Returns `true` if a plan is found or, where faces cross at the end of neither path, one that leads farther: whoever names a
+/// seed gets the crossings of its motion.
+fn leads_farther_uncrossed(new: &Plan, best: &Plan) -> bool {
+    let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
+    let is_short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
+    leads_farther(new, best)
+        && (new.outcome == Outcome::Planned || is_short && ends_before(new.outcome))
 }
 
 /// Returns `true` if a path is found where the best so far is none, as the goal does not close.
