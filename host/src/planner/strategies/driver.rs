@@ -335,8 +335,8 @@ fn leads_farther(new: &Plan, best: &Plan) -> bool {
     new.outcome == Outcome::Planned || farther && new.motion.is_some()
 }
 
-/// Returns `true` if a plan is found or, where faces cross at the end of neither path, one that leads farther: whoever names a
-/// seed gets the crossings of its motion.
+/// Returns `true` if a plan is found or, if faces cross at the end of neither path, a path that leads farther. A crossing that
+/// other random numbers meet tells less than lines that turn alone, which are tried after them.
 fn leads_farther_uncrossed(new: &Plan, best: &Plan) -> bool {
     let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
     let is_short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
