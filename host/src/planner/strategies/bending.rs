@@ -169,8 +169,8 @@ impl BentPlan {
         self.sheet.others != start
     }
 
-    /// Returns the sets of panels that bend alike and have another diagonal, those that bend most first. Where faces cross, panels
-    /// that hardly bend are left out: their diagonals are not the reason.
+    /// Returns the sets of panels that bend alike and have another diagonal, those that bend most first. Panels that
+    /// hardly bend are left out if faces cross: their diagonals are not the reason.
     fn sets_by_bend(&self, drawn: &CreasePattern) -> Vec<FixedBitSet> {
         let Some(motion) = &self.plan.motion else {
             return Vec::new();
