@@ -1,5 +1,7 @@
 //! Panels that bend: patterns whose faces are cut along diagonals that turn.
 
+use fixedbitset::FixedBitSet;
+
 use super::{CreasePattern, DrawnEdge, EdgeId, Letter, VertexId};
 use crate::util::progress::Watch;
 use crate::util::range::Range;
@@ -7,38 +9,22 @@ use crate::util::range::Range;
 /// Bend of a panel that a user may allow.
 pub const BEND_DEG: Range = Range::from("degrees", 0.0).up_to(180.0);
 
-/// Diagonals of the faces with four corners along which panels may bend. Faces with more corners bend along the diagonals
-/// of their triangulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Diagonals {
-    /// Those of the triangulation, which avoid narrow triangles.
-    Triangulation,
-    /// The other ones.
-    Others,
-}
-
 impl CreasePattern {
     /// Returns the pattern with each face cut into triangles whose common edges are creases, lettered
     /// [`Letter::Bend`]; edges lettered J between two faces turn as well. Vertices and edges keep their numbers: new edges
-    /// come last. Returns `None` if the sheet has no face to bend, or if it is cut, as cut vertices cannot be drawn again.
-    pub(crate) fn with_bends(&self, which: Diagonals) -> Option<Self> {
+    /// come last, in the order of the faces. Faces are cut along the diagonals of their triangulation, which avoid narrow
+    /// triangles, but for those in `others`, which are cut along their [other diagonal](Self::other_halves).
+    ///
+    /// Returns `None` if the sheet has no face to bend, or if it is cut, as cut vertices cannot be drawn again.
+    pub(crate) fn with_bends(&self, others: &FixedBitSet) -> Option<Self> {
         let mut faces = Vec::new();
         let mut diagonals = Vec::new();
-        for (corners, triangles) in self.faces.iter().zip(self.triangles.iter()) {
-            if let (&[a, b, c, d], Diagonals::Others) = (corners, which) {
-                let first = triangles[0];
-                let turned = if first[0] == a || first[2] == a {
-                    [b, c, d, a]
-                } else {
-                    [a, b, c, d]
-                };
-                let [a, b, c, d] = turned;
-                let halves = [[a, b, c], [c, d, a]];
-                if halves.iter().all(|&half| self.is_counter_clockwise(half)) {
-                    diagonals.push([a, c]);
-                    faces.extend(halves.map(Vec::from));
-                    continue;
-                }
+        for (face, triangles) in self.triangles.iter().enumerate() {
+            let other = others.contains(face).then(|| self.other_halves(face));
+            if let Some(halves) = other.flatten() {
+                diagonals.push([halves[0][0], halves[0][2]]);
+                faces.extend(halves.map(Vec::from));
+                continue;
             }
             // Each triangle but the last was cut off along the side between its first and third corner.
             let cut_off = triangles.split_last().map_or(&[][..], |(_, others)| others);
@@ -48,6 +34,35 @@ impl CreasePattern {
         self.bent(faces, diagonals, |edge| {
             self.edge(edge).letter == Letter::Join
         })
+    }
+
+    /// Returns the faces with four corners that have [another diagonal](Self::other_halves), and the edge of each that is its
+    /// diagonal in the pattern [with bends](Self::with_bends).
+    pub(crate) fn quadrilaterals(&self) -> impl Iterator<Item = (usize, EdgeId)> {
+        let mut next = self.edges.len();
+        let faces = self.triangles.iter().enumerate();
+        faces.filter_map(move |(face, triangles)| {
+            let edge = EdgeId::new(next);
+            next += triangles.len().saturating_sub(1);
+            self.other_halves(face).map(|_| (face, edge))
+        })
+    }
+
+    /// Returns the two triangles of a face with four corners along the diagonal that its triangulation leaves out; `None` if
+    /// that diagonal does not lie in the face, or the face has fewer or more corners.
+    pub(crate) fn other_halves(&self, face: usize) -> Option<[[VertexId; 3]; 2]> {
+        let &[a, b, c, d] = &self.faces[face] else {
+            return None;
+        };
+        let first = self.triangles[face][0];
+        let [a, b, c, d] = if first[0] == a || first[2] == a {
+            [b, c, d, a]
+        } else {
+            [a, b, c, d]
+        };
+        let halves = [[a, b, c], [c, d, a]];
+        let lies_in_face = halves.iter().all(|&half| self.is_counter_clockwise(half));
+        lies_in_face.then_some(halves)
     }
 
     /// Returns the pattern with these edges lettered [`Letter::Bend`], if they are lettered J and lie between two faces;

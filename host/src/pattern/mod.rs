@@ -28,7 +28,6 @@ mod triangulate;
 mod unit;
 
 pub use bends::BEND_DEG;
-pub(crate) use bends::Diagonals;
 pub(crate) use build::{LARGEST, check_goal, places};
 pub use drawing::{Drawing, DrawnEdge, PatternError};
 pub use flat_folding::FlatFlaw;

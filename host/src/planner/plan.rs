@@ -341,6 +341,8 @@ pub struct Attempt {
     pub outcome: Outcome,
     /// Reason why the outcome is not `Planned`.
     pub reason: Option<Reason>,
+    /// Fraction of the way to the goal that its path leads, 0 to 1.
+    pub reached: f64,
     /// Seconds that it took.
     pub seconds: f64,
 }
@@ -352,6 +354,7 @@ impl Attempt {
             strategy,
             outcome: plan.outcome,
             reason: plan.reason.clone(),
+            reached: plan.reached,
             seconds: start.elapsed().as_secs_f64(),
         }
     }

@@ -98,6 +98,11 @@ impl Spent {
 }
 
 impl PlanningProblem<'_> {
+    /// Returns the same problem with another goal.
+    pub(super) fn with_goal<'b>(&'b self, goal: &'b Goal) -> PlanningProblem<'b> {
+        PlanningProblem { goal, ..*self }
+    }
+
     /// Does the work of a stage: tells who watches that it begins, and adds the time that it takes.
     pub(super) fn stage<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
         self.watch.begin(stage);

@@ -138,7 +138,7 @@ def read(
       of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a
       panel). A colour that is not named counts as the nearest named colour of its hue; without one it has the meaning
       of Origami Simulator
-    - ``layers``: Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V. Letters are those of `--colors`. A
+    - ``layers``: Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V. Letters are those of ``colors``. A
       layer that is not named has the letter that its name says (words such as CUT, BORDER, MOUNTAIN, VALLEY, CREASE),
       or else its lines have the letters of their colours; notes tell which
     - ``dashes``: Letter of the dashed lines of an SVG or DXF drawing, whatever their colour. Without this option

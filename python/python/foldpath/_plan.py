@@ -127,7 +127,7 @@ def plan(
 
     - ``goal``: FOLD file of the same sheet whose fold angles are the goal
     - ``fold``: Fold each crease by this fraction of a half turn, as its letter says. With 0 the goal is the flat
-      sheet. Together with --via the path then leads back to flat
+      sheet. Together with ``via`` the path then leads back to flat
     - ``crease``: Drive a crease, edge I of the file, to an angle in degrees while the others follow; repeatable.
       Edges are counted from 0
     - ``via``: FOLD file of the same sheet with fold angles at which the path rests before the goal; repeatable. The
@@ -139,7 +139,7 @@ def plan(
       The path rests between the steps. Hinges of other steps move only as closure requires. A name of digits and
       hyphens alone, or with one of the signs / , = in it, stands in quotation marks: '"0" / "a-b"'. In a FOLD file of
       the same sheet, whose name ends in .fold, each frame beside the key frame that has fold angles is a step
-    - ``orders``: Largest number of orders to list in which the hinges of a net may fold, in the words of `--order`.
+    - ``orders``: Largest number of orders to list in which the hinges of a net may fold, in the words of ``order``.
       In any two of them some hinges fold in the opposite order. The path folds in the first. Orders are found if the
       hinges turn freely, as where no vertex lies inside the sheet and there is no hole that hinges go round
     - ``goal_tolerance``: Largest distance of a crease from its goal angle at the end of the path, degrees
@@ -195,7 +195,7 @@ def plan(
       of CSS or digits such as #00ff00; letters are B (border), M, V, F (flat), U (free), C (cut) and J (joins a
       panel). A colour that is not named counts as the nearest named colour of its hue; without one it has the meaning
       of Origami Simulator
-    - ``layers``: Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V. Letters are those of `--colors`. A
+    - ``layers``: Letters of the layers of a DXF drawing, such as CUT=C,CREASE=V. Letters are those of ``colors``. A
       layer that is not named has the letter that its name says (words such as CUT, BORDER, MOUNTAIN, VALLEY, CREASE),
       or else its lines have the letters of their colours; notes tell which
     - ``dashes``: Letter of the dashed lines of an SVG or DXF drawing, whatever their colour. Without this option

@@ -10,14 +10,15 @@ use foldpath::export::fold::motion_text;
 use foldpath::motion::{Claims, Motion};
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, HingeLimit, Note, Outcome, Plan, PlanOptions, Strategy, plan};
-use foldpath_tests::{Random, meshes, path_file};
+use foldpath::read::read_pattern;
+use foldpath_tests::{Random, meshes, path_file, pattern_file};
 use nalgebra::{Rotation2, Vector2};
 use rayon::prelude::*;
 
 /// Time that a plan may take.
 const TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of sheets of each kind.
-const STARS: u64 = 250;
+const STARS: u64 = 500;
 const LINES: u64 = 200;
 const MESHES: u64 = 160;
 const PHASED: u64 = 40;
@@ -92,8 +93,8 @@ fn driven_stars_are_planned_as_their_whole_goals_are() {
             Some((seed, plan))
         })
         .collect();
-    assert!(known.len() > 180, "{}", known.len());
-    assert!(share("stars", &known) >= 0.98);
+    assert!(known.len() > 380, "{}", known.len());
+    assert!(share("stars", &known) >= 1.0);
 }
 
 /// Six creases of a vertex, mountains and valleys in turn: each of them driven alone, there are closed configurations in which
@@ -267,6 +268,49 @@ fn goals_on_the_way_leave_the_search_for_phases_on() {
         );
         assert!(holds(plan.motion.as_ref().unwrap()), "sheet {seed}");
     }
+}
+
+/// Each leg of a motion may need phases of its own: a gate closes, opens again until its flaps are ajar, and closes once more.
+#[test]
+fn every_leg_folds_in_phases() {
+    for seed in 0..VIA {
+        let mut random = Random::stream(seed, 64);
+        let pattern = CreasePattern::new(meshes::gate(&mut random)).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let part = random.uniform(0.05, 0.3);
+        let angles = goal.fold_angles.iter();
+        let angles = angles.map(|angle| angle.map(|angle| part * angle));
+        let ajar = Goal::chosen(&pattern, angles.collect(), "ajar".into());
+        let goal = Goal {
+            via: vec![goal.clone(), ajar],
+            ..goal
+        };
+        let plan = plan(&pattern, &goal, &options());
+        assert_eq!(
+            plan.outcome,
+            Outcome::Planned,
+            "sheet {seed}: {:?}",
+            plan.reason
+        );
+        let motion = plan.motion.as_ref().unwrap();
+        assert!(holds(motion), "sheet {seed}");
+        // Two ends of legs, and a stop on each of the three legs.
+        assert_eq!(motion.phases.len(), 5, "sheet {seed}");
+    }
+}
+
+/// The answer is the attempt that leads farthest by more than a hundredth, also if another one than the first is ended by faces
+/// that cross.
+#[test]
+fn the_farthest_attempt_is_the_answer() {
+    let file = pattern_file("pictures/quad-3x3").with_extension("svg");
+    let pattern = read_pattern(&file).unwrap().pattern;
+    let goal = Goal::of_letters(&pattern, 0.5).unwrap();
+    let plan = plan(&pattern, &goal, &options());
+    let attempts = plan.attempts.iter().map(|attempt| attempt.reached);
+    let farthest = attempts.fold(0.0, f64::max);
+    assert!(farthest > plan.attempts[0].reached + 0.1);
+    assert!(plan.reached >= farthest - 0.01, "{farthest}: {plan:?}");
 }
 
 /// On a sheet whose hinges all turn freely, each goes to its goal, and the one with a limit to its limit.

@@ -12,6 +12,7 @@ use foldpath::progress::Watch;
 use foldpath::symmetry::CreaseGroups;
 use foldpath_tests::Random;
 use nalgebra::{Matrix2, Vector2, Vector4};
+use rayon::prelude::*;
 
 /// Logarithm of the ratio of two rates of one crease, below which they agree and above which they clearly differ.
 const AGREE: f64 = 1e-9;
@@ -358,4 +359,33 @@ fn networks_fold_if_their_modes_agree() {
     assert_eq!(planned, free);
     // Letters on some creases leave a choice of modes, of which the planner may take a wrong one.
     assert!(2 * some_planned >= some_free, "{counts:?}");
+}
+
+/// Number of networks that lock with rigid panels, and of those that fold half way with panels that bend by this, degrees.
+const LOCKED: u64 = 30;
+const LOCKED_PLANNED: usize = 28;
+const BEND_DEG: f64 = 60.0;
+
+/// Networks that lock are led half way by bending their panels, and the answer is the attempt that leads farthest.
+#[test]
+fn locked_networks_fold_as_far_as_the_best_attempt() {
+    let options = PlanOptions::default().with(|it| it.bend = BEND_DEG.to_radians());
+    let planned = (0..LOCKED).into_par_iter().filter(|&seed| {
+        let mut random = Random::stream(seed, 63);
+        let drawn = core::iter::repeat_with(|| network(&mut random, false, true));
+        let (pattern, _) = drawn.flatten().find(|(_, folds)| !folds).unwrap();
+        let goal = Goal::of_letters(&pattern, 0.5).unwrap();
+        let plan = plan(&pattern, &goal, &options);
+        let attempts = plan.attempts.iter().map(|attempt| attempt.reached);
+        let farthest = attempts.fold(0.0, f64::max);
+        assert!(
+            plan.reached >= farthest,
+            "network {seed}: {} of {farthest}",
+            plan.reached
+        );
+        plan.outcome == Outcome::Planned
+    });
+    let planned = planned.count();
+    println!("{planned} of {LOCKED} locked networks planned");
+    assert!(planned >= LOCKED_PLANNED, "{planned}");
 }

@@ -130,17 +130,33 @@ mod python {
                 info.alias
             };
             let mut line = format!("{indent}- ``{name}``:");
-            for word in sentences(info.text).split(' ') {
+            for word in sentences(info.text).split(' ').map(in_python) {
                 if line.len() + 1 + word.len() > 118 {
                     let _infallible = writeln!(lines, "{line}");
                     line = format!("{indent} ");
                 }
                 line += " ";
-                line += word;
+                line += &word;
             }
             let _infallible = writeln!(lines, "{line}");
         }
         lines
+    }
+
+    /// Returns a word of a text, in which an option such as `--max-speed` has its name in Python.
+    fn in_python(word: &str) -> String {
+        let of_command = || {
+            let (before, rest) = word.split_once("--")?;
+            let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-');
+            let (option, after) = rest.split_at(end.unwrap_or(rest.len()));
+            let after = match before {
+                "" if !after.starts_with('`') => after,
+                "`" => after.strip_prefix('`')?,
+                _ => return None,
+            };
+            Some(format!("``{}``{after}", option.replace('-', "_")))
+        };
+        of_command().unwrap_or_else(|| word.to_string())
     }
 
     #[test]

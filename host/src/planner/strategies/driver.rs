@@ -101,7 +101,7 @@ static STRATEGIES: [Row; 19] = [
                 context,
                 attempts,
                 Reason::NoFoldSequence,
-                |problem, goal| fold_in_split_phases(problem, goal, context.best),
+                |problem, _, straight, leg| fold_in_split_phases(problem, leg, straight),
             )
         },
         ..BASE
@@ -114,9 +114,12 @@ static STRATEGIES: [Row; 19] = [
             context.is_unplanned() && has_few_creases(problem) && !is_straightened_first(problem)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoFoldSequence, |problem, leg| {
-                fold_in_sequence(problem, context.route?, leg)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoFoldSequence,
+                |problem, route, _, leg| fold_in_sequence(problem, route, leg),
+            )
         },
         ..BASE
     },
@@ -129,9 +132,12 @@ static STRATEGIES: [Row; 19] = [
             crosses && !splits_phases(context.problem, plan)
         },
         run: |context, attempts| {
-            try_phases(context, attempts, Reason::NoWayRound, |problem, leg| {
-                lead_round_crossings(problem, leg, context.best)
-            })
+            try_phases(
+                context,
+                attempts,
+                Reason::NoWayRound,
+                |problem, _, straight, leg| lead_round_crossings(problem, leg, straight),
+            )
         },
         ..BASE
     },
@@ -209,7 +215,7 @@ static STRATEGIES: [Row; 19] = [
         strategy: Strategy::BendingPanels,
         is_tried: |context| context.is_unplanned() && context.problem.options.bend > 0.0,
         run: bend_least,
-        is_better: leads_farther_bent,
+        is_better: leads_farther,
         ..BASE
     },
     other_seed(0),
@@ -238,7 +244,7 @@ const fn other_seed(seed: u64) -> Row {
             let is_new = context.row.seed != Some(context.problem.options.seed);
             is_new && context.best.effort.is_random && context.is_unplanned()
         },
-        is_better: leads_farther,
+        is_better: leads_farther_uncrossed,
         ..BASE
     }
 }
@@ -327,18 +333,19 @@ fn proves_less_deformation(new: &Plan, best: &Plan) -> bool {
     !(new.outcome != Outcome::Planned || new.proved() >= best.proved())
 }
 
-/// Returns `true` if a plan is found or, where the best so far ends before the goal, a path that leads farther.
+/// Returns `true` if a plan is found, or a path that leads farther than the best so far, whatever ends it.
 fn leads_farther(new: &Plan, best: &Plan) -> bool {
-    let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
-    let short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
-    let farther = ends_before(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
-    new.outcome == Outcome::Planned || short && farther
-}
-
-/// Returns `true` if a plan is found whose panels bend, or a path that leads farther than the best so far with rigid ones.
-fn leads_farther_bent(new: &Plan, best: &Plan) -> bool {
     let farther = is_no(new.outcome) && new.reached > best.reached + FARTHER_RATIO;
     new.outcome == Outcome::Planned || farther && new.motion.is_some()
+}
+
+/// Returns `true` if a plan is found or, if faces cross at the end of neither path, a path that leads farther. A crossing that
+/// other random numbers meet tells less than lines that turn alone, which are tried after them.
+fn leads_farther_uncrossed(new: &Plan, best: &Plan) -> bool {
+    let ends_before = |outcome| matches!(outcome, Outcome::Partial | Outcome::NearGoal);
+    let is_short = ends_before(best.outcome) || best.outcome == Outcome::GoalNotClosed;
+    leads_farther(new, best)
+        && (new.outcome == Outcome::Planned || is_short && ends_before(new.outcome))
 }
 
 /// Returns `true` if a path is found where the best so far is none, as the goal does not close.

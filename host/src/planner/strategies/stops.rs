@@ -10,6 +10,7 @@ use crate::planner::following::judge::Judge;
 use crate::planner::following::reduction::{CLOSED, Reduction, snapping_angle};
 use crate::planner::following::route::{End, Route};
 use crate::planner::following::route_selection::select_route;
+use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
 use crate::planner::plan::{Attempt, Effort, Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Reason, TimeoutAt};
@@ -85,33 +86,40 @@ impl Leg {
         })
     }
 
+    /// Returns the goal of a problem with stops on this leg, fold angles in radians.
+    fn by_way_of(&self, problem: &PlanningProblem<'_>, stops: &[Vec<f64>]) -> Goal {
+        let stops = stops.iter().map(|angles| {
+            let angles = angles.iter().copied().map(Some).collect();
+            Goal::chosen(problem.pattern, angles, "a stop on the way".into())
+        });
+        let mut goal = problem.goal.clone();
+        goal.via.splice(self.before..self.before, stops);
+        goal
+    }
+
     /// Returns the number of phases of the leg that are at their end in a plan by way of its stops.
     pub(super) fn ended_phases(&self, plan: &Plan) -> usize {
         plan.ended_phases().saturating_sub(self.before)
     }
 }
 
-/// Looks for a plan that folds the leg of a route in phases on which something is in the way, and lists the attempt. If
-/// `find` finds none, the reason is `none`. Returns `None` if there is none, or no phases lead to the end of the leg.
+/// Finds a plan that folds in phases the last leg of this problem, on this route, of which this is the plan that folds all at
+/// once.
+pub(crate) type FoldLeg = fn(&PlanningProblem<'_>, &Route<'_>, &Plan, &Leg) -> Option<Plan>;
+
+/// Looks for a plan that folds in phases the legs of a route on which something is in the way, and lists the attempt. If
+/// `fold_leg` finds none, the reason is `none`. Returns `None` if there is none, or no phases lead to the end of the first of
+/// these legs.
 pub(crate) fn try_phases(
     context: &Context<'_>,
     attempts: &mut Vec<Attempt>,
     none: Reason,
-    find: impl FnOnce(&PlanningProblem<'_>, &Leg) -> Option<Plan>,
+    fold_leg: FoldLeg,
 ) -> Option<Plan> {
-    let leg = leg_in_phases(context.problem, context.route?, context.best)?;
-    let asked = context.problem.goal;
-    let completed = if leg.before == asked.via.len() {
-        completed(asked, &leg.end)
-    } else {
-        asked.clone()
-    };
-    let problem = &PlanningProblem {
-        goal: &completed,
-        ..*context.problem
-    };
+    let (problem, route) = (context.problem, context.route?);
+    let leg = leg_in_phases(problem, route, context.best)?;
     let start = Instant::now();
-    let found = find(problem, &leg);
+    let found = fold_legs(problem, route, context.best, &leg, fold_leg);
     let (outcome, reason) = match &found {
         Some(_) => (Outcome::Planned, None),
         None if problem.is_late() => (
@@ -124,9 +132,52 @@ pub(crate) fn try_phases(
         strategy: context.row.strategy,
         outcome,
         reason,
+        reached: found.as_ref().map_or(0.0, |plan| plan.reached),
         seconds: start.elapsed().as_secs_f64(),
     });
     found
+}
+
+/// Folds this leg in phases, and each later one on which something is in the way then. A leg starts where the one before
+/// ends, whatever phases led there, so that each is folded for itself, as the last one of the motion up to its end.
+fn fold_legs(
+    problem: &PlanningProblem<'_>,
+    route: &Route<'_>,
+    straight: &Plan,
+    leg: &Leg,
+    fold_leg: FoldLeg,
+) -> Option<Plan> {
+    let (asked, before) = (problem.goal, leg.before);
+    let end = asked.via.get(before);
+    let end = Goal {
+        via: asked.via.iter().take(before).cloned().collect(),
+        ..completed(end.unwrap_or(asked), &leg.end)
+    };
+    let folded = fold_leg(&problem.with_goal(&end), route, straight, leg)?;
+    if before == asked.via.len() {
+        return Some(folded);
+    }
+    let motion = folded.motion.as_ref()?;
+    let stops = motion.phases.get(before..)?.iter();
+    let stops: Vec<Vec<f64>> = stops.map(|&knot| motion.crease_angles(knot)).collect();
+    let mut goal = leg.by_way_of(problem, &stops);
+    *goal.via.get_mut(before + stops.len())? = end;
+    let problem = problem.with_goal(&goal);
+    let route = select_route(&problem)?;
+    let (mut plan, _) = follow(&problem, &route, FIRST_BOUND_FRACTION);
+    if plan.outcome != Outcome::Planned {
+        let next = leg_in_phases(&problem, &route, &plan)?;
+        let leads_on = next.before > before + stops.len();
+        let later = leads_on.then(|| fold_legs(&problem, &route, &plan, &next, fold_leg));
+        plan = later.flatten()?;
+    }
+    plan.effort += folded.effort;
+    for note in folded.notes {
+        if !plan.notes.contains(&note) {
+            plan.notes.push(note);
+        }
+    }
+    Some(plan)
 }
 
 /// Returns a goal in which free creases have these angles (radians), so that they may be folded in a phase of their own.
@@ -226,16 +277,10 @@ pub(super) fn plan_via(
     stops: &[Vec<f64>],
     bound_fraction: f64,
 ) -> Plan {
-    let stops = stops.iter().map(|angles| {
-        let angles = angles.iter().copied().map(Some).collect();
-        Goal::chosen(problem.pattern, angles, "a stop on the way".into())
-    });
-    let mut goal = problem.goal.clone();
-    goal.via.splice(leg.before..leg.before, stops);
+    let goal = leg.by_way_of(problem, stops);
     let problem = PlanningProblem {
-        goal: &goal,
         is_trial: true,
-        ..*problem
+        ..problem.with_goal(&goal)
     };
     let route = select_route(&problem);
     route.map_or_else(
