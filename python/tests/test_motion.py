@@ -152,8 +152,8 @@ def test_options_of_exports(motion: fp.Motion, tmp_path: Path) -> None:
         motion.export(file, "glb", rate=10)
     with pytest.raises(fp.FoldpathError, match="expected a name that ends in .svg"):
         motion.save_plot(tmp_path / "curves.png")
-    with pytest.raises(fp.FoldpathError, match="invalid value 'stl'"):
-        motion.export(file, "stl")  # type: ignore[arg-type]
+    with pytest.raises(fp.FoldpathError, match="invalid value 'step'"):
+        motion.export(file, "step")  # type: ignore[arg-type]
 
 
 def test_curves_are_those_of_the_command(

@@ -9,7 +9,8 @@
 //!   are not known, every hinge of the tree has one.
 //! - Meshes are the plates that the path was planned for, one for each convex part, or else thin slabs. Panels that share a
 //!   vertex do not collide with each other, as the corners of slabs would touch.
-//! - There is a keyframe for each knot, with the angles of the joints and of the actuators.
+//! - There is a keyframe for each knot, with the angles of the joints and of the actuators, and one named `start` a little
+//!   off flat, where a sheet knows which way it folds.
 //!
 //! Lengths are in metres if the unit of the pattern is known, or else in units of the pattern.
 //! Masses, stiffnesses and dampings are in proportion to the size of the sheet, so that the model behaves alike in any
@@ -42,6 +43,8 @@ const ACTUATOR_DAMPING_RATIO: f64 = 40.0;
 const DAMPING_RATIO: f64 = 1.0;
 /// Inertia that is added to a hinge over the moment of inertia of a mean panel about an edge.
 const ARMATURE_RATIO: f64 = 0.1;
+/// Part of the motion at which the keyframe `start` is.
+const START_PART: f64 = 0.02;
 /// Time step of the simulation, seconds.
 const TIME_STEP_S: f64 = 0.001;
 
@@ -264,10 +267,10 @@ fn head(title: &str, unit: Option<Unit>, masses: &Masses) -> String {
     )
 }
 
-/// Writes a keyframe for each knot.
+/// Writes a keyframe for each knot, and one that is a little off flat.
 fn keyframes(text: &mut String, motion: &Motion, panels: &Panels, actuators: &[EdgeId]) {
     let joints: Vec<EdgeId> = panels.joints().map(|joint| joint.edge).collect();
-    for (index, knot) in motion.knots.iter().enumerate() {
+    let mut key = |name: &str, motion: &Motion, index: usize| {
         let angles = |edges: &[EdgeId]| {
             let angles = edges
                 .iter()
@@ -276,11 +279,18 @@ fn keyframes(text: &mut String, motion: &Motion, panels: &Panels, actuators: &[E
         };
         let _complete = writeln!(
             text,
-            "    <key name=\"knot_{index}\" time=\"{}\" qpos=\"{}\" ctrl=\"{}\"/>",
-            knot.time,
+            "    <key name=\"{name}\" time=\"{}\" qpos=\"{}\" ctrl=\"{}\"/>",
+            motion.knots[index].time,
             angles(&joints),
             angles(actuators)
         );
+    };
+    for index in 0..motion.knots.len() {
+        key(&format!("knot_{index}"), motion, index);
+    }
+    if let [first, .., last] = &motion.knots[..] {
+        let time = first.time + START_PART * (last.time - first.time);
+        key("start", &motion.at_times([time]), 0);
     }
 }
 

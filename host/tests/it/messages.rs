@@ -1,7 +1,7 @@
 //! The sentences of the planner's reasons and notes, and of the findings of a check.
 
 use foldpath::check::{Failure, GroupQuantity, Moment, RateLimit, SheetError};
-use foldpath::collision::Crossing;
+use foldpath::collision::{Crossing, PlateError};
 use foldpath::folding::Rigidity;
 use foldpath::pattern::{ClosureSite, EdgeId, FaceId, VertexId};
 use foldpath::planner::{
@@ -240,6 +240,14 @@ fn reasons_are_sentences() {
         (
             Reason::NoWayRound,
             "no way round the crossing was found".into(),
+        ),
+        (
+            Reason::PlatesCross {
+                faces: FACES,
+                thickness: 0.25,
+                segment: 4,
+            },
+            "panels 3 and 8 pass through each other between knots 4 and 5 if they are plates 0.25 thick".into(),
         ),
     ];
     for (reason, sentence) in all {
@@ -503,11 +511,46 @@ fn findings_are_sentences() {
             },
             "knot 1: faces 1 and 2 pass through each other, 2.500e-1 median edges deep",
         ),
+        (
+            Failure::PlatesCross {
+                at: between,
+                crossing: Crossing {
+                    faces: [FaceId(1), FaceId(2)],
+                    depth: 0.5,
+                },
+                thickness: 0.25,
+            },
+            "between knots 2 and 3, at 0.250: panels 1 and 2, plates 0.25 thick, pass through each other, 5.000e-1 deep",
+        ),
+        (
+            Failure::PlatesNotMade(PlateError::TurnsTooFar {
+                edge: EdgeId(4),
+                angle: 3.0,
+            }),
+            "the hinge at edge 4 turns to 171.9 degrees: plates turn by at most 170",
+        ),
+        (
+            Failure::PlatesNotMade(PlateError::UsedUp {
+                face: FaceId(1),
+                edge: EdgeId(4),
+                thickness: 0.25,
+            }),
+            "panel 1 is used up at a thickness of 0.250000: its sides stay back so far from the hinges that nothing is left \
+             at edge 4",
+        ),
     ];
     for (failure, sentence) in failures {
         assert_eq!(failure.to_string(), sentence);
     }
     let undecided = [
+        (
+            Undecided::Plates {
+                at: between,
+                faces: Some([FaceId(1), FaceId(2)]),
+            },
+            "not certified: between knots 2 and 3, at 0.250, whether plates pass through each other takes too long to \
+             tell: panels 1 and 2",
+        ),
         (
             Undecided::Errors {
                 segment: 2,

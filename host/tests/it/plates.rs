@@ -228,7 +228,7 @@ fn plates_that_are_in_the_way_are_named() {
         panic!("{:?}", no.reason)
     };
     assert!(
-        error.to_string().contains("turns to 180 degrees"),
+        error.to_string().contains("turns to 180.0 degrees"),
         "{error}"
     );
 }

@@ -138,17 +138,17 @@ class Motion:
 
         - ``rate``: With csv: rows a second, and one for the end [default: a row for each knot]. The first column is
           the time t in seconds; angles are in degrees, valley positive
-        - ``per``: With csv and --rate: what has a column
+        - ``per``: With csv and ``rate``: what has a column
         - ``frames``: With obj or glb: number of frames, 2 to 2000, evenly spaced in time. By default obj has one
           frame for each knot. By default glb also has frames between the knots, so that no hinge turns by more than 6
           degrees from one frame to the next
         - ``colour``: With svg: meaning of the colours
         - ``assembled``: With stl: one file with all plates, folded as at the end of the path
-        - ``kerf``: With dxf, or svg and --colour plates: width of the cut, by half of which outlines are larger, in
+        - ``kerf``: With dxf, or svg and ``colour`` plates: width of the cut, by half of which outlines are larger, in
           the drawing's unit
         - ``density``: With mjcf: density of the panels, kilograms per cubic metre. Without it masses are in
           proportion to the size of the sheet
-        - ``numbers``: With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
+        - ``numbers``: With svg: write the number of each edge at its middle, as ``crease`` and ``limit`` count them
         - ``bound``: With traj or rust: slow the path down, so that a hinge that sticks tears the sheet by no more
           than this gap. The gap is the distance between the positions that faces give one vertex, over the median
           edge, once the controller has noticed and the motion rests. The file tells the controller the lag from which

@@ -150,7 +150,7 @@ def plan(
     - ``hinge_plane``: Height of the hinges in the plates: middle, top, bottom, or a fraction of the thickness from
       the lower face
     - ``panels``: Sides of plates at hinges
-    - ``gap``: With --panels inset: least distance of the sides of plates from a hinge, in the drawing's unit
+    - ``gap``: With ``panels`` inset: least distance of the sides of plates from a hinge, in the drawing's unit
     - ``margin``: Angle by which hinges could turn farther than the motion does before plates touch, degrees
     - ``limit``: Keep the hinge at edge I of the file between two angles in degrees; repeatable. Edges are counted
       from 0

@@ -74,6 +74,7 @@ fn plan_shape() -> Value {
             "skipped_motion": "count", "skipped_bounds": "count", "skipped_edges": "count",
         },
         "seed": "count", "unit": "string|null", "precision": {"length": "number|null", "angle": "number|null"},
+        "thickness": "number|null", "max_thickness": "null",
     })
 }
 

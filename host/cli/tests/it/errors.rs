@@ -580,7 +580,8 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
 }
 
 /// Errors whose format has no words of its own, each with a part of its text in some snapshot.
-const WORDLESS: [(&str, &str); 14] = [
+const WORDLESS: [(&str, &str); 15] = [
+    ("PlatesNotMade", "plates turn by at most 170"),
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),
     ("Trajectory", "a.traj: byte 0: expected the magic number"),

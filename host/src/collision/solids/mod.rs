@@ -39,7 +39,7 @@ const FORM_EDGES: f64 = 1e-7;
 pub enum PlateError {
     /// A hinge turns farther than tapers reach.
     #[error(
-        "the hinge at edge {edge} turns to {:.6} degrees: plates with a thickness turn by at most {MAX_PLATE_ANGLE_DEG}",
+        "the hinge at edge {edge} turns to {:.1} degrees: plates turn by at most {MAX_PLATE_ANGLE_DEG}",
         angle.to_degrees()
     )]
     TurnsTooFar {

@@ -127,20 +127,13 @@ pub(crate) fn thickest(
             .is_none_or(|(high, _)| high > NEAR_ENOUGH * found.proved);
         return found;
     }
-    let low = if found.proved > 0.0 {
-        found.proved
-    } else {
-        least
-    };
-    if found.proved <= 0.0 && matches!(tried(0.0, least), Tried::Free) {
-        found.proved = least;
-    }
+    // Plates of one range of thicknesses after the other.
     found.is_open = false;
-    let (mut low, mut ratio) = (low, RANGES[0]);
-    while found.proved > 0.0 && low < most {
-        let next = (low * ratio).min(most);
-        if matches!(tried(low, next), Tried::Free) {
-            (low, found.proved) = (next, next);
+    let mut ratio = RANGES[0];
+    while found.proved > 0.0 && found.proved < most {
+        let next = (found.proved * ratio).min(most);
+        if matches!(tried(found.proved, next), Tried::Free) {
+            found.proved = next;
             ratio = (ratio * ratio).min(RANGES[0]);
         } else if ratio > RANGES[1] {
             ratio = ratio.sqrt();
@@ -148,8 +141,8 @@ pub(crate) fn thickest(
             break;
         }
     }
-    if low < most {
-        let next = (low * NEAR_ENOUGH).min(most);
+    if found.proved < most {
+        let next = (found.proved.max(least) * NEAR_ENOUGH).min(most);
         match tried(next, next) {
             Tried::Refuted(why) => found.refuted = Some((next, why)),
             Tried::Free | Tried::Open => found.is_open = true,
