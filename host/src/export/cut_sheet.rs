@@ -21,37 +21,31 @@ const NUMBER_EDGES: f64 = 0.25;
 const MARGIN_EDGES: f64 = 0.25;
 const LINE_EDGES: f64 = 0.01;
 
-/// A layer of the drawing with its colour in SVG, and in the AutoCAD Color Index.
+/// A layer of the drawing with its colour in SVG.
 pub(super) struct Layer {
     pub(super) name: &'static str,
     colour: &'static str,
-    pub(super) aci: u8,
 }
 
 pub(super) const CUT: Layer = Layer {
     name: "CUT",
     colour: "#000000",
-    aci: 7,
 };
 pub(super) const MOUNTAIN: Layer = Layer {
     name: "MOUNTAIN",
     colour: "#ff0000",
-    aci: 1,
 };
 pub(super) const VALLEY: Layer = Layer {
     name: "VALLEY",
     colour: "#0000ff",
-    aci: 5,
 };
 pub(super) const HOLE: Layer = Layer {
     name: "HOLE",
     colour: "#008000",
-    aci: 3,
 };
 pub(super) const TEXT: Layer = Layer {
     name: "TEXT",
     colour: "#808080",
-    aci: 8,
 };
 pub(super) const LAYERS: [&Layer; 5] = [&CUT, &MOUNTAIN, &VALLEY, &HOLE, &TEXT];
 

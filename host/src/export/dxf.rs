@@ -25,6 +25,9 @@ const LAYERS: [(&str, u8); 5] = [
     ("UNASSIGNED", 6),
 ];
 
+/// Colours of the layers of plates to be cut: white or black, red, blue, green and grey.
+const CUT_COLOURS: [u8; 5] = [7, 1, 5, 3, 8];
+
 /// Makes the drawing.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let pattern = export.source.pattern();
@@ -68,7 +71,8 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
 
 /// Returns the drawing of plates to be cut.
 fn cut_drawing(sheet: &CutSheet, unit: Option<Unit>) -> Drawing {
-    let layers = cut_sheet::LAYERS.map(|layer| (layer.name, layer.aci));
+    let names = cut_sheet::LAYERS.map(|layer| layer.name);
+    let layers: Vec<_> = names.into_iter().zip(CUT_COLOURS).collect();
     let mut drawing = empty(&layers, unit);
     let point = |at: &Vector2<f64>| Point::new(at.x, at.y, 0.0);
     let mut add = |layer: &cut_sheet::Layer, kind: EntityType| {
