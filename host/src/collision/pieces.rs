@@ -206,6 +206,16 @@ impl Pieces {
         plates.map_or(0.0, |plates| plates.options.thickness)
     }
 
+    /// Returns the largest distance of a point that moves with a face from that face: plates of several faces move with one of
+    /// them.
+    pub(super) fn beyond(&self) -> f64 {
+        let Some(plates) = self.plates.as_ref().filter(|plates| !plates.are_faces()) else {
+            return self.height();
+        };
+        let across = plates.list.iter().map(|plate| plate.width());
+        self.height() + across.fold(0.0, f64::max)
+    }
+
     /// Returns `true` for the pieces of plates.
     pub(super) fn are_solid(&self) -> bool {
         self.plates.is_some()
@@ -243,8 +253,13 @@ impl Pieces {
     }
 
     /// Returns an edge between two pieces of plates from which both stay as far back as its angles ask, if there is one: while
-    /// they turn about it, they lie on their sides of the plane that halves the angle between them.
-    pub(super) fn keeps_back(&self, pattern: &CreasePattern, pair: [u32; 2]) -> Option<EdgeId> {
+    /// they turn about it, they lie on their sides of the plane that halves the angle between them. Returns the edges inside
+    /// the two plates as well, at which the sheet may be torn.
+    pub(super) fn keeps_back(
+        &self,
+        pattern: &CreasePattern,
+        pair: [u32; 2],
+    ) -> Option<(EdgeId, Vec<EdgeId>)> {
         let plates = self.plates.as_ref()?;
         let [plate, other] = pair
             .map(|piece| self.list[piece as usize].face)
@@ -271,7 +286,12 @@ impl Pieces {
             plates == Some([plate, other]) || plates == Some([other, plate])
         };
         let sides = plates.list[plate].sides.iter();
-        sides.filter(between).copied().find(|edge| keeps_back(edge))
+        let hinge = sides
+            .filter(between)
+            .copied()
+            .find(|edge| keeps_back(edge))?;
+        let inside = [plate, other].map(|plate| plates.list[plate].edges_inside(pattern));
+        Some((hinge, inside.concat()))
     }
 
     /// Returns the size of the smaller of the faces of two pieces.
@@ -299,6 +319,14 @@ impl Pieces {
         let Piece {
             face, start, end, ..
         } = self.list[piece as usize];
+        let around = |face: &FaceId| &pattern.neighbours()[face.index()];
+        let neighbours = match &self.plates {
+            Some(plates) => {
+                let faces = &plates.list[plates.of_face[face.index()]].faces;
+                faces.iter().flat_map(around).copied().collect()
+            }
+            None => around(&face).to_vec(),
+        };
         for from in start..end {
             let ends = [from, if from + 1 == end { start } else { from + 1 }];
             let side = ends.map(|corner| self.vertices[corner as usize]);
@@ -306,8 +334,7 @@ impl Pieces {
                 .load(pattern, face)
                 .find(|&other| self.has_side(other, side));
             let joined = inner.or_else(|| {
-                let mut neighbours = pattern.neighbours()[face.index()].iter();
-                neighbours.find_map(|&(beyond, edge)| {
+                neighbours.iter().find_map(|&(beyond, edge)| {
                     let ends = pattern.edge(edge).ends;
                     if !side.iter().all(|end| ends.contains(end)) {
                         return None;

@@ -39,6 +39,8 @@ struct Sheet {
     is_inset: bool,
     gap: f64,
     margin: f64,
+    /// `true` if the file has panels with four corners as two faces, joined by an edge that stays flat.
+    is_split: bool,
 }
 
 fn angles(random: &mut Random, most: f64) -> [f64; 3] {
@@ -76,6 +78,7 @@ impl Sheet {
             } else {
                 0.0
             },
+            is_split: random.chance(0.3),
             margin: if random.chance(0.3) {
                 random.uniform(0.0, 0.1)
             } else {
@@ -211,9 +214,21 @@ impl Sheet {
             }
         }
         let hinges = self.hinges.len();
-        let letters: Vec<_> = (0..edges.len())
+        let mut letters: Vec<_> = (0..edges.len())
             .map(|k| if k < hinges { "U" } else { "B" })
             .collect();
+        let mut faces = self.panels.clone();
+        for panel in self
+            .panels
+            .iter()
+            .filter(|panel| self.is_split && panel.len() == 4)
+        {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| panel[k]);
+            edges.push([a, c]);
+            letters.push("F");
+            faces.retain(|face| face != panel);
+            faces.extend([vec![a, b, c], vec![a, c, d]]);
+        }
         let frame = |knot: usize| {
             let angle = |k: usize| {
                 self.hinges
@@ -235,7 +250,7 @@ impl Sheet {
             "vertices_coords": self.vertices.iter().map(|at| [at.x, at.y]).collect::<Vec<_>>(),
             "edges_vertices": edges,
             "edges_assignment": letters,
-            "faces_vertices": self.panels,
+            "faces_vertices": faces,
             "foldpath:interpolation": "linear",
             "foldpath:thickness": self.thickness,
             "foldpath:hingePlane": self.hinge_plane,

@@ -93,6 +93,26 @@ impl Plate {
         self.outlines.iter().map(place).collect()
     }
 
+    /// Returns the diagonal of a box round it.
+    pub(super) fn width(&self) -> f64 {
+        let [low, high] = self.outlines.iter().flatten().flatten().fold(
+            [f64::INFINITY, f64::NEG_INFINITY].map(Vector2::repeat),
+            |[low, high], at| [low.inf(at), high.sup(at)],
+        );
+        (high - low).norm()
+    }
+
+    /// Returns the edges between two of its faces.
+    pub(super) fn edges_inside(&self, pattern: &CreasePattern) -> Vec<EdgeId> {
+        let inside = |face: &FaceId| {
+            let neighbours = pattern.neighbours()[face.index()].iter();
+            let inner =
+                neighbours.filter(|(beyond, _)| self.faces.contains(beyond) && face < beyond);
+            inner.map(|(_, edge)| *edge).collect::<Vec<_>>()
+        };
+        self.faces.iter().flat_map(inside).collect()
+    }
+
     /// Returns one of its outlines after all sides have moved outwards by a distance; `None` if nothing is left of it.
     fn grown(&self, layer: usize, by: f64) -> Option<Vec<Vector2<f64>>> {
         let mut corners: Vec<Vector2<f64>> =

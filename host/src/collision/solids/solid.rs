@@ -231,16 +231,28 @@ impl PlacedSolid<'_> {
             .map(|direction| self.pose.r_wf.rotate(direction))
     }
 
-    /// Returns the normal of each facet that faces outwards, and a point of the facet.
+    /// Returns planes parallel to each facet that have the solid behind them, by their normals and a point.
     pub(in crate::collision) fn planes(
         &self,
     ) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + '_ {
-        self.solid.facets.iter().map(|(corners, normal)| {
-            (
-                self.pose.r_wf.rotate(normal),
-                self.points[corners[0] as usize],
-            )
+        self.solid.facets.iter().filter_map(|(_, normal)| {
+            let normal = self.pose.r_wf.rotate(normal);
+            Some((normal, self.farthest(&normal)?))
         })
+    }
+
+    /// Returns the point that is farthest in a direction.
+    fn farthest(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let along = |point: &&Vector3<f64>| direction.dot(point);
+        let mut points = self.points.iter();
+        let first = points.next()?;
+        Some(*points.fold(first, |last, point| {
+            if along(&point) > along(&last) {
+                point
+            } else {
+                last
+            }
+        }))
     }
 
     /// Returns planes that have this solid behind them and another one ahead, but for `depth`, by their normals and a point:
@@ -265,11 +277,8 @@ impl PlacedSolid<'_> {
         let plane = |normal: Vector3<f64>| {
             let [_, high] = extent(self.points, &normal);
             let [low, _] = extent(other.points, &normal);
-            let last = self
-                .points
-                .iter()
-                .max_by(|a, b| normal.dot(a).total_cmp(&normal.dot(b)))?;
-            (low >= high - depth).then_some((normal, *last))
+            let last = self.farthest(&normal)?;
+            (low >= high - depth).then_some((normal, last))
         };
         let both = normals.chain(edges).flat_map(|normal| [normal, -normal]);
         let mut planes: Vec<_> = both.filter_map(plane).collect();

@@ -96,7 +96,9 @@ impl Trims {
     /// Finds the borders that lie on each other at the end of the motion, but not in the flat sheet.
     fn add_seams(&mut self, motion: &Motion) {
         let pattern = &motion.pattern;
-        let last = motion.knots.len() - 1;
+        let Some(last) = motion.knots.len().checked_sub(1) else {
+            return;
+        };
         let map = FoldingMap::new(pattern, pattern.tree(), &motion.crease_angles(last));
         let near = SEAM_EDGES * pattern.median_edge();
         let mut borders: Vec<(f64, Border)> = (0..)

@@ -77,14 +77,15 @@ pub(super) struct Approach<'a> {
 
 impl<'a> Approach<'a> {
     /// Makes the chains of a sheet whose closure residuals are at most `closure` all along its motions; `None` along a
-    /// lattice.
+    /// lattice. No point that moves with a face is farther from it than `beyond`.
     pub(super) fn new(
         pattern: &'a CreasePattern,
         (memberships, groups): (&'a [Membership], usize),
         hierarchy: &Hierarchy,
         closure: Option<f64>,
+        beyond: f64,
     ) -> Self {
-        let mut chains = Chains::new(Ways::new(pattern, memberships, closure));
+        let mut chains = Chains::new(Ways::new(pattern, memberships, closure), beyond);
         let mut clusters: Vec<Cluster> = Vec::with_capacity(hierarchy.nodes.len());
         for node in &hierarchy.nodes {
             let mut cluster = Cluster::default();

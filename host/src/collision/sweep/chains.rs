@@ -57,13 +57,16 @@ pub(super) struct Chains<'a> {
     pub(super) ways: Ways<'a>,
     links: Vec<Link>,
     crossed: Vec<Crossed>,
+    /// Largest distance of a point that moves with a face from the face, units of the sheet.
+    beyond: f64,
 }
 
 impl<'a> Chains<'a> {
-    /// Makes an empty list of chains.
-    pub(super) fn new(ways: Ways<'a>) -> Self {
+    /// Makes an empty list of chains between faces, of which no point that moves with one is farther from it than `beyond`.
+    pub(super) fn new(ways: Ways<'a>, beyond: f64) -> Self {
         Self {
             ways,
+            beyond,
             links: Vec::new(),
             crossed: Vec::new(),
         }
@@ -145,7 +148,7 @@ impl<'a> Chains<'a> {
         let away = |face: FaceId, from: Vector2<f64>| {
             let corners = pattern.faces()[face.index()].iter();
             let away = corners.map(|v| (pattern.vertices()[v.index()] - from).norm());
-            away.fold(0.0, f64::max)
+            away.fold(0.0, f64::max) + self.beyond
         };
         let ends = [way[0].0, way[way.len() - 1].0].map(pivot);
         let legs = way
@@ -226,7 +229,7 @@ mod tests {
             .collect();
         let still = (0..groups.len()).map(|group| group % 3 != 0);
         for still in [Vec::new(), still.collect()] {
-            let mut chains = Chains::new(Ways::new(&pattern, groups.memberships(), None));
+            let mut chains = Chains::new(Ways::new(&pattern, groups.memberships(), None), 0.0);
             chains.ways.keep_still(still);
             for threads in [1, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

@@ -163,7 +163,7 @@ impl<'a> Sweep<'a> {
             groups,
             contact: Contact::new(pattern.median_edge(), options.contact).loosely(loose),
             watch: Watch::default(),
-            approach: Approach::new(pattern, hinges, &hierarchy, closure),
+            approach: Approach::new(pattern, hinges, &hierarchy, closure, pieces.beyond()),
             sheet: PlacedPieces::new(pattern, (pieces, hierarchy), source, along_lattice),
             comoving: ComovingNow::default(),
             queue: Queue::default(),

@@ -47,10 +47,15 @@ impl Sweep<'_> {
         let allowed = self.contact.of(&self.sheet.pieces, nodes, 0.0).largest();
         let circles = nodes.map(|node| self.sheet.hierarchy.circles[node as usize]);
         let widest = 2.0 * circles[0].1.min(circles[1].1);
-        let edge = self.sheet.pieces.keeps_back(self.pattern, nodes);
-        let tear = edge.map(|edge| self.tear_at(edge, widest));
+        let kept = self.sheet.pieces.keeps_back(self.pattern, nodes);
+        let moved = kept.map(|(hinge, inside)| {
+            let edges = inside.into_iter().chain([hinge]);
+            edges
+                .map(|edge| self.tear_at(edge, widest).moved)
+                .sum::<f64>()
+        });
         let thin = HINGE_TEAR_RATIO * self.sheet.pieces.thickness();
-        let keeps_back = tear.is_some_and(|tear| tear.moved <= allowed.max(thin));
+        let keeps_back = moved.is_some_and(|moved| moved <= allowed.max(thin));
         self.found.joined += u64::from(keeps_back);
         keeps_back
     }

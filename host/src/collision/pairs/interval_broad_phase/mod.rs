@@ -47,8 +47,6 @@ pub(super) struct IntervalBroadPhase {
     /// For each cluster the body that has all its pieces, if one has: faces at rest relative to each other over the current
     /// segment.
     bodies: Vec<Option<FaceId>>,
-    /// Height of the pieces over the planes of their faces, which `reaches` have been made longer by.
-    height: f64,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
     /// Bound on the second derivative of each group's angle, one row for each part of the segment.
@@ -112,11 +110,27 @@ impl IntervalBroadPhase {
         for places in &mut self.places {
             places.resize(pieces.hull_points(), Vector3::zeros());
         }
-        for reach in &mut self.reaches {
-            reach[1] += pieces.height() - self.height;
-        }
-        self.height = pieces.height();
+        self.reach_solids(pieces);
         self.fold(motion, pieces, 0, 2);
+    }
+
+    /// Makes the reaches of faces those of the solids that move with them.
+    fn reach_solids(&mut self, pieces: &Pieces) {
+        if !pieces.are_solid() {
+            return;
+        }
+        let mut hinges = vec![None; self.poses.len()];
+        for (index, hinge) in self.hinges.iter().enumerate() {
+            hinges[hinge.to as usize] = Some(index);
+        }
+        for piece in &pieces.list {
+            if let Some(index) = hinges[piece.face.index()] {
+                let (pivot, reach) = (self.hinges[index].pivot, &mut self.reaches[index][1]);
+                let corners = pieces.flat[piece.corners()].iter();
+                let away = corners.map(|corner| (corner - pivot).norm() + pieces.height());
+                *reach = away.fold(*reach, f64::max);
+            }
+        }
     }
 
     /// Goes on to the next interval. Returns `false` if the deviation is beyond the limit even over the shortest one.
