@@ -362,8 +362,11 @@ fn a_model_of_mujoco_has_a_body_for_each_panel_and_a_joint_or_loop_for_each_crea
             scene.matches("</body>").count()
         );
         let keys = attributes(&scene, "key", "qpos");
-        assert_eq!(keys.len(), path.knots.len());
-        for (knot, key) in keys.iter().enumerate() {
+        let names = attributes(&scene, "key", "name");
+        // One for each knot, and one a little off flat.
+        assert_eq!(keys.len(), path.knots.len() + 1);
+        assert_eq!(names[path.knots.len()], "start");
+        for (knot, key) in keys.iter().take(path.knots.len()).enumerate() {
             for (joint, angle) in joints.iter().zip(key.split(' ')) {
                 let edge: usize = joint.strip_prefix("crease_").unwrap().parse().unwrap();
                 let expected = path.node(knot, EdgeId::new(edge)).angle;
