@@ -7,7 +7,7 @@
 //! - Each crease off the tree is closed by two `connect` constraints at its ends.
 //! - The hinges that drive the sheet near flat are in the tree wherever they can be, and have position actuators. If they
 //!   are not known, every hinge of the tree has one.
-//! - Meshes are the plates that the path was planned for, one for each convex part, or else thin slabs. Panels that share a
+//! - Meshes are the plates that the path was planned for, one for each convex part, smaller by 1e-5, or else thin slabs. Panels that share a
 //!   vertex do not collide with each other, as the corners of slabs would touch.
 //! - There is a keyframe for each knot, with the angles of the joints and of the actuators, and one named `start` a little
 //!   off flat, where a sheet knows which way it folds.

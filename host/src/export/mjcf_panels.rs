@@ -2,11 +2,14 @@
 
 use core::fmt::Write;
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 use crate::collision::{PlateMesh, Plates};
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::union_find::UnionFind;
+
+/// Part by which meshes of plates are smaller than the plates.
+const SMALLER_RATIO: f64 = 1e-5;
 
 /// A crease between two panels.
 #[derive(Clone, Copy, Debug)]
@@ -212,11 +215,14 @@ impl Panels {
     }
 }
 
-/// Returns a mesh in Wavefront OBJ.
+/// Returns a mesh in Wavefront OBJ, a little smaller than the plate: engines find solids that touch in each other.
 fn obj(mesh: &PlateMesh) -> String {
     let mut text = String::new();
+    #[allow(clippy::cast_precision_loss, reason = "a mean")]
+    let middle = mesh.vertices.iter().sum::<Vector3<f64>>() / mesh.vertices.len().max(1) as f64;
     // Writing to memory cannot fail.
     for at in &mesh.vertices {
+        let at = at + (middle - at) * SMALLER_RATIO;
         let _complete = writeln!(text, "v {} {} {}", at.x, at.y, at.z);
     }
     for [a, b, c] in mesh
