@@ -10,7 +10,8 @@ use super::merged_groups::MergedGroups;
 use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
-    CollisionScene, Crossing, Openness, Plates, SearchEffort, SearchedSheet, SweepVerdict, Trims,
+    CollisionScene, Crossing, Openness, Place, Plates, SearchEffort, SearchedSheet, SweepVerdict,
+    Trims,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::{Motion, PlateOptions};
@@ -102,14 +103,8 @@ fn judge_segments(bound: f64, verdict: &mut Verdict) {
     }
 }
 
-/// Searches the whole motion for faces that pass through each other, and stores the first crossing.
-pub(super) fn check_crossings(
-    path: &Motion,
-    tree: &SpanningTree,
-    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
-    options: &CheckOptions,
-    verdict: &mut Verdict,
-) {
+/// Returns what a search for crossings may cost after what is known so far, and how far the sheet is from closing.
+fn search_of(verdict: &Verdict, options: &CheckOptions) -> (SearchEffort, Openness) {
     let certified = verdict.certified().map(|most| most.gap);
     let certified = certified.filter(|gap| *gap <= options.bound);
     // The motion of a path that fails may be absurd.
@@ -118,11 +113,23 @@ pub(super) fn check_crossings(
     } else {
         SearchEffort::CHECK_FAILED
     };
-    let gap = certified.unwrap_or_else(|| verdict.rigidity().gap);
     let openness = Openness {
         closure: verdict.closure_bound(),
-        gap,
+        gap: certified.unwrap_or_else(|| verdict.rigidity().gap),
     };
+    (effort, openness)
+}
+
+/// Searches the whole motion for faces that pass through each other, and stores the first crossing.
+pub(super) fn check_crossings(
+    path: &Motion,
+    tree: &SpanningTree,
+    (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
+    options: &CheckOptions,
+    verdict: &mut Verdict,
+) {
+    let (effort, openness) = search_of(verdict, options);
+    let gap = openness.gap;
     let searched = sheet.search(&motion.segments, &effort, openness);
     match searched.verdict {
         SweepVerdict::Free(clearance) => {
@@ -153,7 +160,7 @@ pub(super) fn check_crossings(
 pub(super) fn check_plates(
     path: &Motion,
     (motion, sheet): (&MergedGroups, &SearchedSheet<'_>),
-    options: &PlateOptions,
+    (options, check): (&PlateOptions, &CheckOptions),
     verdict: &mut Verdict,
     watch: Watch<'_>,
 ) {
@@ -166,17 +173,14 @@ pub(super) fn check_plates(
         Err(error) => return verdict.failures.push(Failure::PlatesNotMade(error)),
     };
     let memberships = motion.groups.memberships();
-    let openness = Openness {
-        closure: verdict.closure_bound(),
-        gap: verdict
-            .certified()
-            .map_or_else(|| verdict.rigidity().gap, |most| most.gap),
-    };
+    let (effort, openness) = search_of(verdict, check);
     let plated = SearchedSheet::new(pattern, memberships, Some(sheet.contact), watch);
-    let searched =
-        plated
-            .made_of(Arc::new(plates))
-            .search(&motion.segments, &SearchEffort::CHECK, openness);
+    let plated = plated.made_of(Arc::new(plates));
+    let searched = plated.search(&motion.segments, &effort, openness);
+    let moment = |at: Place| Moment::Between {
+        segment: at.segment,
+        s: at.s,
+    };
     match searched.verdict {
         SweepVerdict::Free(clearance) => {
             verdict.min_clearance =
@@ -184,19 +188,13 @@ pub(super) fn check_plates(
         }
         SweepVerdict::Crossing { crossing, at, .. } => {
             verdict.failures.push(Failure::PlatesCross {
-                at: Moment::Between {
-                    segment: at.segment,
-                    s: at.s,
-                },
+                at: moment(at),
                 crossing,
                 thickness: options.thickness,
-            })
+            });
         }
         SweepVerdict::Undecided { faces, at } => verdict.undecided.push(Undecided::Plates {
-            at: Moment::Between {
-                segment: at.segment,
-                s: at.s,
-            },
+            at: moment(at),
             faces,
         }),
     }

@@ -301,7 +301,7 @@ pub(crate) fn check_until_over(path: &Motion, options: &CheckOptions, watch: Wat
             let motion = (&motion, &sheet);
             between::check_crossings(path, tree, motion, options, &mut verdict);
             if let Some(plates) = &path.plates {
-                between::check_plates(path, motion, plates, &mut verdict, watch);
+                between::check_plates(path, motion, (plates, options), &mut verdict, watch);
             }
         }
         let crossing = between::first_crossing(path, &verdict);

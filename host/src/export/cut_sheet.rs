@@ -7,12 +7,13 @@ use core::fmt::Write;
 
 use nalgebra::Vector2;
 
-use super::stl::plates_of;
+use super::stl::{UNKNOWN_UNIT, plates_of};
 use super::{Export, escaped};
 use crate::collision::Plates;
 use crate::motion::PlateSides;
 use crate::pattern::{CreasePattern, VertexId};
 use crate::read::FileError;
+use crate::util::nan_max::bounding_box;
 
 /// Height of the number of a plate, over the square root of its area, and largest, over the median edge.
 const NUMBER_RATIO: f64 = 0.25;
@@ -21,33 +22,15 @@ const NUMBER_EDGES: f64 = 0.25;
 const MARGIN_EDGES: f64 = 0.25;
 const LINE_EDGES: f64 = 0.01;
 
-/// A layer of the drawing with its colour in SVG.
-pub(super) struct Layer {
-    pub(super) name: &'static str,
-    colour: &'static str,
-}
-
-pub(super) const CUT: Layer = Layer {
-    name: "CUT",
-    colour: "#000000",
-};
-pub(super) const MOUNTAIN: Layer = Layer {
-    name: "MOUNTAIN",
-    colour: "#ff0000",
-};
-pub(super) const VALLEY: Layer = Layer {
-    name: "VALLEY",
-    colour: "#0000ff",
-};
-pub(super) const HOLE: Layer = Layer {
-    name: "HOLE",
-    colour: "#008000",
-};
-pub(super) const TEXT: Layer = Layer {
-    name: "TEXT",
-    colour: "#808080",
-};
-pub(super) const LAYERS: [&Layer; 5] = [&CUT, &MOUNTAIN, &VALLEY, &HOLE, &TEXT];
+/// The layers.
+pub(super) const CUT: &str = "CUT";
+pub(super) const MOUNTAIN: &str = "MOUNTAIN";
+pub(super) const VALLEY: &str = "VALLEY";
+pub(super) const HOLE: &str = "HOLE";
+pub(super) const TEXT: &str = "TEXT";
+pub(super) const LAYERS: [&str; 5] = [CUT, MOUNTAIN, VALLEY, HOLE, TEXT];
+/// Their colours in SVG.
+const COLOURS: [&str; 5] = ["#000000", "#ff0000", "#0000ff", "#008000", "#808080"];
 
 /// A number to be written on a plate.
 pub(super) struct Number {
@@ -76,11 +59,7 @@ impl CutSheet {
         let motion = export.motion()?;
         let plates = plates_of(motion, export.name)?;
         let pattern = &motion.pattern;
-        let layer = plates
-            .heights
-            .iter()
-            .position(|height| *height >= 0.0)
-            .unwrap_or(0);
+        let layer = plates.hinge_layer();
         let grown = export.options.kerf / 2.0;
         let outlines = (0..plates.list.len()).map(|plate| {
             plates.grown(plate, layer, grown).ok_or_else(|| {
@@ -127,7 +106,7 @@ impl CutSheet {
             notes.push("the sides of the plates are slanted at hinges: they have to be milled, outlines are those at the hinges".into());
         }
         if pattern.unit().is_none() {
-            notes.push("the unit of the sheet is not known: lengths are as they are drawn".into());
+            notes.push(UNKNOWN_UNIT.into());
         }
         Ok(Self {
             outlines,
@@ -140,9 +119,8 @@ impl CutSheet {
 
     /// Returns the drawing as SVG, with a group for each layer.
     pub(super) fn svg(&self, title: &str, (unit, edge): (&str, f64)) -> String {
-        let points = self.outlines.iter().flatten();
-        let start = [f64::INFINITY, f64::NEG_INFINITY].map(Vector2::repeat);
-        let [low, high] = points.fold(start, |[low, high], at| [low.inf(at), high.sup(at)]);
+        let points = self.outlines.iter().flatten().copied();
+        let (low, high) = bounding_box(points).unwrap_or_default();
         let margin = MARGIN_EDGES * edge;
         let [width, height] = [high.x - low.x + 2.0 * margin, high.y - low.y + 2.0 * margin];
         // y points down in SVG.
@@ -154,28 +132,28 @@ impl CutSheet {
              viewBox=\"0 0 {width} {height}\">\n<title>{}</title>\n",
             escaped(title)
         );
-        for layer in LAYERS {
-            let (name, colour, line) = (layer.name, layer.colour, LINE_EDGES * edge);
+        let line = LINE_EDGES * edge;
+        for (name, colour) in LAYERS.into_iter().zip(COLOURS) {
             // Writing to memory cannot fail.
             let _complete = writeln!(
                 text,
                 "<g id=\"{name}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{line}\">"
             );
             match name {
-                "CUT" => {
+                CUT => {
                     for outline in &self.outlines {
                         let places: Vec<String> = outline.iter().map(at).collect();
                         let _complete = writeln!(text, "<path d=\"M {} Z\"/>", places.join(" L "));
                     }
                 }
-                "HOLE" => {
+                HOLE => {
                     for (middle, radius) in &self.holes {
                         let [x, y] = [middle.x - low.x + margin, high.y - middle.y + margin];
                         let _complete =
                             writeln!(text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>");
                     }
                 }
-                "TEXT" => {
+                TEXT => {
                     for number in &self.numbers {
                         let [x, y] = [number.at.x - low.x + margin, high.y - number.at.y + margin];
                         let (size, shown) = (number.height, &number.text);
@@ -191,7 +169,7 @@ impl CutSheet {
                     for ([from, to], _) in self
                         .folds
                         .iter()
-                        .filter(|(_, valley)| *valley == (name == "VALLEY"))
+                        .filter(|(_, valley)| *valley == (name == VALLEY))
                     {
                         let _complete = writeln!(
                             text,

@@ -71,13 +71,12 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
 
 /// Returns the drawing of plates to be cut.
 fn cut_drawing(sheet: &CutSheet, unit: Option<Unit>) -> Drawing {
-    let names = cut_sheet::LAYERS.map(|layer| layer.name);
-    let layers: Vec<_> = names.into_iter().zip(CUT_COLOURS).collect();
+    let layers: Vec<_> = cut_sheet::LAYERS.into_iter().zip(CUT_COLOURS).collect();
     let mut drawing = empty(&layers, unit);
     let point = |at: &Vector2<f64>| Point::new(at.x, at.y, 0.0);
-    let mut add = |layer: &cut_sheet::Layer, kind: EntityType| {
+    let mut add = |layer: &str, kind: EntityType| {
         let mut entity = Entity::new(kind);
-        entity.common.layer = layer.name.into();
+        entity.common.layer = layer.into();
         drawing.add_entity(entity);
     };
     for outline in &sheet.outlines {
@@ -91,19 +90,19 @@ fn cut_drawing(sheet: &CutSheet, unit: Option<Unit>) -> Drawing {
             ..LwPolyline::default()
         };
         closed.set_is_closed(true);
-        add(&cut_sheet::CUT, EntityType::LwPolyline(closed));
+        add(cut_sheet::CUT, EntityType::LwPolyline(closed));
     }
     for ([from, to], is_valley) in &sheet.folds {
         let layer = if *is_valley {
-            &cut_sheet::VALLEY
+            cut_sheet::VALLEY
         } else {
-            &cut_sheet::MOUNTAIN
+            cut_sheet::MOUNTAIN
         };
         add(layer, EntityType::Line(Line::new(point(from), point(to))));
     }
     for (middle, radius) in &sheet.holes {
         add(
-            &cut_sheet::HOLE,
+            cut_sheet::HOLE,
             EntityType::Circle(Circle::new(point(middle), *radius)),
         );
     }
@@ -117,7 +116,7 @@ fn cut_drawing(sheet: &CutSheet, unit: Option<Unit>) -> Drawing {
             value: number.text.clone(),
             ..Text::default()
         };
-        add(&cut_sheet::TEXT, EntityType::Text(text));
+        add(cut_sheet::TEXT, EntityType::Text(text));
     }
     drawing
 }

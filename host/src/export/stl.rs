@@ -19,6 +19,10 @@ use crate::read::FileError;
 /// Distance of corresponding points of plates that are equal, over the size of a plate.
 const EQUAL_RATIO: f64 = 1e-9;
 
+/// Note on a sheet without a unit.
+pub(super) const UNKNOWN_UNIT: &str =
+    "the unit of the sheet is not known: lengths are as they are drawn";
+
 /// Makes the files.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let motion = in_millimetres(export.motion()?);
@@ -61,8 +65,7 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
     };
     made.told += &format!(", lengths in {unit}");
     if motion.pattern.unit().is_none() {
-        made.notes
-            .push("the unit of the sheet is not known: lengths are as they are drawn".into());
+        made.notes.push(UNKNOWN_UNIT.into());
     }
     Ok(made)
 }
@@ -138,11 +141,7 @@ fn are_equal(plates: &Plates, pair: [usize; 2]) -> bool {
         return false;
     }
     // The first side of the outline on the hinge plane tells the turn and the shift.
-    let layer = plates
-        .heights
-        .iter()
-        .position(|height| *height >= 0.0)
-        .unwrap_or(0);
+    let layer = plates.hinge_layer();
     let side = |outlines: &[Vec<[Vector2<f64>; 2]>], k: usize| {
         [
             outlines[layer][k % count][1],

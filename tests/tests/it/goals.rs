@@ -244,6 +244,14 @@ fn driven_creases_fold_in_phases() {
     assert!(share("sheets folded in phases", &known) >= 1.0);
 }
 
+/// Returns the goal of a gate whose flaps are ajar.
+fn ajar(random: &mut Random, pattern: &CreasePattern, goal: &Goal) -> Goal {
+    let part = random.uniform(0.05, 0.3);
+    let angles = goal.fold_angles.iter();
+    let angles = angles.map(|angle| angle.map(|angle| part * angle));
+    Goal::chosen(pattern, angles.collect(), "ajar".into())
+}
+
 /// A goal on the way leaves the search for phases on: a gate whose flaps are both ajar closes one after the other.
 #[test]
 fn goals_on_the_way_leave_the_search_for_phases_on() {
@@ -251,14 +259,7 @@ fn goals_on_the_way_leave_the_search_for_phases_on() {
         let mut random = Random::stream(seed, 62);
         let pattern = CreasePattern::new(meshes::gate(&mut random)).unwrap();
         let mut goal = Goal::of_pattern(&pattern).unwrap();
-        let part = random.uniform(0.05, 0.3);
-        let angles = goal.fold_angles.iter();
-        let angles = angles.map(|angle| angle.map(|angle| part * angle));
-        goal.via = vec![Goal::chosen(
-            &pattern,
-            angles.collect(),
-            "on the way".into(),
-        )];
+        goal.via = vec![ajar(&mut random, &pattern, &goal)];
         let plan = plan(&pattern, &goal, &options());
         assert_eq!(
             plan.outcome,
@@ -277,10 +278,7 @@ fn every_leg_folds_in_phases() {
         let mut random = Random::stream(seed, 64);
         let pattern = CreasePattern::new(meshes::gate(&mut random)).unwrap();
         let goal = Goal::of_pattern(&pattern).unwrap();
-        let part = random.uniform(0.05, 0.3);
-        let angles = goal.fold_angles.iter();
-        let angles = angles.map(|angle| angle.map(|angle| part * angle));
-        let ajar = Goal::chosen(&pattern, angles.collect(), "ajar".into());
+        let ajar = ajar(&mut random, &pattern, &goal);
         let goal = Goal {
             via: vec![goal.clone(), ajar],
             ..goal

@@ -240,8 +240,8 @@ fn least_distance(python: &Path, motion: Motion) -> f64 {
     ask(python, "plates", &folder)["worst"].as_f64().unwrap()
 }
 
-/// Plates as thick as is proved keep apart for the engine, too. Of plates a little thicker than is
-/// refuted, a panel is used up, or the engine finds two of them in each other.
+/// Plates as thick as is proved keep apart for the engine, too. The engine finds two plates in each
+/// other, or a panel is used up, at 1.05 of the thickness that is refuted.
 #[test]
 fn plates_as_thick_as_is_proved_keep_apart() {
     let Some(python) = python("mujoco") else {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::Plates;
+use super::{Plates, without_repeats};
 use crate::pattern::{CreasePattern, triangulate};
 
 /// A closed mesh in the frame of the flat sheet, whose triangles are counter-clockwise seen from outside.
@@ -105,11 +105,7 @@ impl PlateMesh {
 
     /// Returns the triangles of a flat ring of vertices, counter-clockwise seen from above.
     fn cap(&self, ring: &[u32]) -> Vec<[u32; 3]> {
-        let mut ring = ring.to_vec();
-        ring.dedup();
-        while ring.len() > 1 && ring.first() == ring.last() {
-            ring.pop();
-        }
+        let ring = without_repeats(ring.to_vec());
         let places: Vec<Vector2<f64>> = ring
             .iter()
             .map(|&k| self.vertices[k as usize].xy())

@@ -29,6 +29,7 @@ use self::outline::{Side, inset};
 use super::convex::{convex_parts, is_convex};
 use crate::motion::{MAX_PLATE_ANGLE_DEG, PlateOptions, PlateSides};
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
+use crate::util::nan_max::diagonal;
 
 /// Length up to which plates of one form may differ, median edges.
 const FORM_EDGES: f64 = 1e-7;
@@ -95,11 +96,8 @@ impl Plate {
 
     /// Returns the diagonal of a box round it.
     pub(super) fn width(&self) -> f64 {
-        let [low, high] = self.outlines.iter().flatten().flatten().fold(
-            [f64::INFINITY, f64::NEG_INFINITY].map(Vector2::repeat),
-            |[low, high], at| [low.inf(at), high.sup(at)],
-        );
-        (high - low).norm()
+        let corners: Vec<_> = self.outlines.iter().flatten().flatten().copied().collect();
+        diagonal(&corners)
     }
 
     /// Returns the edges between two of its faces.
@@ -115,12 +113,8 @@ impl Plate {
 
     /// Returns one of its outlines after all sides have moved outwards by a distance; `None` if nothing is left of it.
     fn grown(&self, layer: usize, by: f64) -> Option<Vec<Vector2<f64>>> {
-        let mut corners: Vec<Vector2<f64>> =
-            self.outlines[layer].iter().flatten().copied().collect();
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
-        }
+        let corners = self.outlines[layer].iter().flatten().copied().collect();
+        let corners: Vec<Vector2<f64>> = without_repeats(corners);
         let next = corners.iter().cycle().skip(1);
         let sides = corners.iter().zip(next).map(|(from, to)| Side {
             from: *from,
@@ -287,6 +281,13 @@ impl Plates {
         self.list[plate].grown(layer, by)
     }
 
+    /// Returns the number of the outline on the hinge plane or, if there is none, of the first above it.
+    #[must_use]
+    pub fn hinge_layer(&self) -> usize {
+        let mut heights = self.heights.iter();
+        heights.position(|height| *height >= 0.0).unwrap_or(0)
+    }
+
     /// Returns the largest distance of a point of a plate from the hinge plane.
     pub(super) fn reach(&self) -> f64 {
         self.heights
@@ -340,6 +341,15 @@ impl Plates {
     pub(super) fn tangents(&self, edge: EdgeId) -> [f64; 2] {
         self.trims.tangents(edge, 0.0)
     }
+}
+
+/// Returns a closed ring without members that are equal to the one before.
+fn without_repeats<T: PartialEq>(mut ring: Vec<T>) -> Vec<T> {
+    ring.dedup();
+    while ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    ring
 }
 
 /// Returns the panels of a sheet: faces joined across edges that stay flat or, if such a set has no single border, its faces

@@ -7,7 +7,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{Plate, Plates};
+use super::{Plate, Plates, without_repeats};
 use crate::collision::narrow::crossing::ConvexPiece;
 use crate::collision::narrow::separation::distance;
 use crate::folding::Pose;
@@ -122,11 +122,8 @@ impl Solid {
     }
 
     /// Adds a facet that is planar; none if it has no area.
-    fn facet(&mut self, mut corners: Vec<u32>) {
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
-        }
+    fn facet(&mut self, corners: Vec<u32>) {
+        let corners = without_repeats(corners);
         if corners.len() < 3 {
             return;
         }

@@ -6,6 +6,7 @@ use super::{PlateError, Plates, Trims};
 use crate::collision::{Crossing, Place, SweepVerdict};
 use crate::motion::{PlateOptions, PlateSides};
 use crate::pattern::CreasePattern;
+use crate::util::nan_max::diagonal;
 
 /// Ratio of the upper value to the lower one with which the search ends.
 const NEAR_ENOUGH: f64 = 1.01;
@@ -76,7 +77,7 @@ pub(crate) fn thickest(
         is_open: false,
     };
     // The thickness at which the first panel is used up, or else the width of the sheet.
-    let mut most = extent(pattern);
+    let mut most = diagonal(pattern.vertices());
     if let Err(error) = made(most, most) {
         let (mut low, mut last) = (0.0, error);
         for _ in 0..HALVINGS {
@@ -149,13 +150,4 @@ pub(crate) fn thickest(
         }
     }
     found
-}
-
-/// Returns the diagonal of the flat sheet.
-fn extent(pattern: &CreasePattern) -> f64 {
-    let [low, high] = pattern.vertices().iter().fold(
-        [f64::INFINITY, f64::NEG_INFINITY].map(nalgebra::Vector2::repeat),
-        |[low, high], at| [low.inf(at), high.sup(at)],
-    );
-    (high - low).norm()
 }

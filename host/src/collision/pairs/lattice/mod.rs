@@ -5,7 +5,7 @@ mod cells;
 mod disk;
 
 use core::ops::{Range, RangeInclusive};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use foldpath_core::Membership;
@@ -42,6 +42,8 @@ pub(in crate::collision) struct LatticePairs<'a> {
     /// The plates, if panels have a thickness, and the form of each. Faces of one orbit differ in form where a side of one
     /// is the border of the sheet.
     plates: Option<(Arc<Plates>, Vec<u32>)>,
+    /// For classes of plates that were asked for, the pairs that stand for them.
+    represented: HashMap<PairClass, Vec<[FaceId; 2]>>,
     /// Distance up to which cells are looked at as long as no clearance is known.
     far: f64,
     /// Differences of cells woken so far, in order of waking (`offsets`) and sorted (`known`).
@@ -103,6 +105,7 @@ impl<'a> LatticePairs<'a> {
             circles: (0..).take(orbits.len()).map(corners).collect(),
             disks: Vec::new(),
             plates: plates.map(forms),
+            represented: HashMap::new(),
             centered: Tick::MAX,
             far: 0.0,
             offsets: Vec::new(),
@@ -287,7 +290,7 @@ impl<'a> LatticePairs<'a> {
                 }
                 if distance < best {
                     let class = PairClass::of_orbits([a, b], cell);
-                    apart.nearest.extend(self.representatives(class));
+                    self.represent(class, &mut apart.nearest);
                 }
                 apart.least = apart.least.min(distance);
             }
@@ -321,25 +324,28 @@ impl<'a> LatticePairs<'a> {
         let bit = a * orbits + b;
         offset.taken[bit / 64] |= 1 << (bit % 64);
         let class = PairClass::of_orbits([a, b], offset.cell);
-        let pairs = self.counts[a] * self.counts[b];
-        let faces = self.representatives(class);
-        if !faces.is_empty() {
+        let (pairs, before) = (self.counts[a] * self.counts[b], near.len());
+        self.represent(class, near);
+        if near.len() > before {
             let offset = &mut self.offsets[index];
             offset.left = offset.left.saturating_sub(pairs);
-            near.extend(faces);
         }
     }
 
-    /// Returns the pairs of faces that stand for all of a class: one or, of plates, one for each two forms.
-    fn representatives(&self, class: PairClass) -> Vec<[FaceId; 2]> {
+    /// Adds the pairs of faces that stand for all of a class: one or, of plates, one for each two forms.
+    fn represent(&mut self, class: PairClass, pairs: &mut Vec<[FaceId; 2]>) {
         let lattice = self.cells.lattice;
         let Some((_, forms)) = &self.plates else {
-            return lattice.pair_of(class).into_iter().collect();
+            pairs.extend(lattice.pair_of(class));
+            return;
         };
-        let mut seen = HashSet::new();
-        let mut pairs: Vec<_> = lattice.pairs_of(class).collect();
-        pairs.retain(|pair| seen.insert(pair.map(|face| forms[face.index()])));
-        pairs
+        let of_class = self.represented.entry(class).or_insert_with(|| {
+            let mut seen = HashSet::new();
+            let mut of_class: Vec<_> = lattice.pairs_of(class).collect();
+            of_class.retain(|pair| seen.insert(pair.map(|face| forms[face.index()])));
+            of_class
+        });
+        pairs.extend_from_slice(of_class);
     }
 }
 
