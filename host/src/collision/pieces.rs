@@ -478,6 +478,35 @@ impl<'a> Placed<'a> {
         Some([self.solid(a)?, self.solid(b)?])
     }
 
+    /// Returns `true` if an overlap of two pieces proves that what they are parts of crosses: faces, and solids of which all
+    /// facets are known.
+    pub(super) fn are_exact(&self, pair: [u32; 2]) -> bool {
+        let mut solids = pair
+            .into_iter()
+            .filter_map(|index| self.pieces.solid(index));
+        solids.all(|solid| solid.is_exact)
+    }
+
+    /// Returns a depth to which the plates of two pieces that overlap by `depth` are in each other for certain: the largest
+    /// width of a ball in both that is found.
+    pub(super) fn least_depth(&self, pair: [u32; 2], depth: f64) -> f64 {
+        let (Some([a, b]), Some(plates)) = (self.solids(pair), &self.pieces.plates) else {
+            return depth;
+        };
+        let room = |piece: u32, at: &Vector3<f64>| {
+            let face = self.pieces.list[piece as usize].face;
+            let pose = &self.poses[piece as usize];
+            let at = pose
+                .r_wf
+                .inverse()
+                .rotate(&(at - pose.carry(&Vector3::zeros())));
+            plates.room(plates.of_face[face.index()], &at)
+        };
+        let balls = a.points_in_both(&b, depth).into_iter();
+        let widths = balls.map(|at| 2.0 * room(pair[0], &at).min(room(pair[1], &at)));
+        widths.fold(0.0, f64::max)
+    }
+
     /// Returns the distance of two pieces; 0 if they overlap.
     pub(super) fn distance(&self, pair: [u32; 2]) -> f64 {
         match self.solids(pair) {

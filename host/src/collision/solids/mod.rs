@@ -22,7 +22,7 @@ pub use trims::Trims;
 
 use std::collections::HashMap;
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use thiserror::Error;
 
 use self::outline::{Side, inset};
@@ -281,6 +281,35 @@ impl Plates {
         self.list[plate].grown(layer, by)
     }
 
+    /// Returns a radius of which a ball round a point, in the frame of the flat sheet, lies in a plate; 0 or less if none is
+    /// known.
+    pub(super) fn room(&self, plate: usize, at: &Vector3<f64>) -> f64 {
+        let plate = &self.list[plate];
+        let layers = self.heights.windows(2).zip(plate.outlines.windows(2));
+        // How far a corner moves at most from one height to another, over the height: so far moves the border of the section.
+        let slopes = layers.clone().flat_map(|(heights, outlines)| {
+            let corners = outlines[0].iter().zip(&outlines[1]);
+            let moved = corners.flat_map(|(a, b)| [b[0] - a[0], b[1] - a[1]]);
+            moved.map(|moved| moved.norm() / (heights[1] - heights[0]))
+        });
+        let slope = slopes.fold(0.0, f64::max);
+        let inside = layers.filter_map(|(heights, outlines)| {
+            let part = (at.z - heights[0]) / (heights[1] - heights[0]);
+            let section = || {
+                let corners = outlines[0].iter().zip(&outlines[1]);
+                let corners =
+                    corners.flat_map(|(a, b)| [a[0].lerp(&b[0], part), a[1].lerp(&b[1], part)]);
+                corners.collect::<Vec<_>>()
+            };
+            (0.0..=1.0)
+                .contains(&part)
+                .then(|| depth_within(&section(), &at.xy()))
+        });
+        let inside = inside.fold(f64::NEG_INFINITY, f64::max) / slope.hypot(1.0);
+        let [low, high] = [self.heights[0], self.heights[self.heights.len() - 1]];
+        inside.min(at.z - low).min(high - at.z)
+    }
+
     /// Returns the number of the outline on the hinge plane or, if there is none, of the first above it.
     #[must_use]
     pub fn hinge_layer(&self) -> usize {
@@ -341,6 +370,23 @@ impl Plates {
     pub(super) fn tangents(&self, edge: EdgeId) -> [f64; 2] {
         self.trims.tangents(edge, 0.0)
     }
+}
+
+/// Returns the distance of a point from the border of a closed polygon; below 0 if it is not inside.
+fn depth_within(corners: &[Vector2<f64>], at: &Vector2<f64>) -> f64 {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let mut is_inside = false;
+    let mut nearest = f64::INFINITY;
+    for (from, to) in sides {
+        let along = to - from;
+        let way = (at - from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        nearest = nearest.min((from + along * way.clamp(0.0, 1.0) - at).norm());
+        if (from.y > at.y) != (to.y > at.y) {
+            let x = from.x + along.x * (at.y - from.y) / along.y;
+            is_inside ^= x > at.x;
+        }
+    }
+    if is_inside { nearest } else { -nearest }
 }
 
 /// Returns a closed ring without members that are equal to the one before.

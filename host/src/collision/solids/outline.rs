@@ -29,19 +29,23 @@ impl Side {
     /// Returns the point in which the lines of this side and of another that follows it meet. If they are in line,
     /// the inner line counts.
     fn meet(&self, next: &Self) -> Vector2<f64> {
-        let sine = self.along.perp(&next.along);
-        if sine.abs() > STRAIGHT_SINE {
-            let way = (next.point() - self.point()).perp(&next.along) / sine;
-            return self.point() + self.along * way;
+        if self.is_in_line(next) {
+            return next.from + next.inward() * self.inset.max(next.inset);
         }
-        next.from + next.inward() * self.inset.max(next.inset)
+        let sine = self.along.perp(&next.along);
+        let way = (next.point() - self.point()).perp(&next.along) / sine;
+        self.point() + self.along * way
+    }
+
+    fn is_in_line(&self, next: &Self) -> bool {
+        self.along.perp(&next.along).abs() <= STRAIGHT_SINE
     }
 }
 
 /// Returns the start and the end of each side of a simple counter-clockwise polygon after its sides have moved inwards. A side
 /// may have no length: it then cuts a corner off.
 ///
-/// Sides in line get the larger of their insets. A side that vanishes leaves its place to its neighbours, and its ends fall
+/// Sides in line all get the largest of their insets, and at a reflex corner a side is not prolonged beyond it. A side that vanishes leaves its place to its neighbours, and its ends fall
 /// together, if `may_vanish` says so.
 ///
 /// # Errors
@@ -50,6 +54,7 @@ pub(super) fn inset(
     sides: &[Side],
     may_vanish: impl Fn(usize) -> bool,
 ) -> Result<Vec<[Vector2<f64>; 2]>, usize> {
+    let sides = &levelled(sides);
     let count = sides.len();
     let most = (0..count).max_by(|&a, &b| sides[a].inset.total_cmp(&sides[b].inset));
     let most = most.unwrap_or(0);
@@ -102,6 +107,33 @@ pub(super) fn inset(
         *ends = [start, end];
     }
     Ok(all)
+}
+
+/// Returns the sides with insets that are large enough at their corners: sides in line get the largest of their insets. At a
+/// reflex corner, a side whose neighbour moves inwards follows it, so that it is not prolonged beyond the corner.
+fn levelled(sides: &[Side]) -> Vec<Side> {
+    let mut level = sides.to_vec();
+    let count = level.len();
+    // Twice round, so that a run of sides may pass the first one, and in both directions.
+    let round = (0..2 * count).map(|k| k % count);
+    for k in round.clone().chain(round.rev()) {
+        let next = (k + 1) % count;
+        let (along, next_along) = (level[k].along, level[next].along);
+        if level[k].is_in_line(&level[next]) || along.perp(&next_along) < 0.0 {
+            let cosine = along.dot(&next_along).max(0.0);
+            let follows = |inset: f64, other: f64| {
+                if other > 0.0 {
+                    inset.max(other * cosine)
+                } else {
+                    inset
+                }
+            };
+            let [inset, next_inset] = [level[k].inset, level[next].inset];
+            level[k].inset = follows(inset, next_inset);
+            level[next].inset = follows(next_inset, inset);
+        }
+    }
+    level
 }
 
 /// Returns `true` if a closed polygon is counter-clockwise and no two of its sides cross.
@@ -171,6 +203,7 @@ mod tests {
         let corners = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         let inner = inset(&sides(&corners, &[0.5, 0.25, 0.0, 0.0, 0.0]), |_| false).unwrap();
         assert_eq!(inner[1][0], Vector2::new(1.0, 0.5));
+        assert_eq!(inner[1][1], Vector2::new(2.0, 0.5));
     }
 
     #[test]
@@ -188,6 +221,23 @@ mod tests {
         })
         .unwrap();
         assert_eq!(inner[3][0], Vector2::new(0.5, 0.75));
+    }
+
+    #[test]
+    fn a_side_is_not_prolonged_beyond_a_reflex_corner() {
+        // The side at the bottom, a hinge, lies between two ears.
+        let corners = [
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [3.0, 1.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [0.0, 4.0],
+        ];
+        let inner = inset(&sides(&corners, &[0.0, 0.5, 0.0, 0.0, 0.0, 0.0]), |_| false).unwrap();
+        for (corner, place) in [(1, [1.0, 1.5]), (2, [3.0, 1.5]), (0, [0.0, 0.5])] {
+            assert!((inner[corner][0] - Vector2::from(place)).norm() < 1e-12);
+        }
     }
 
     #[test]

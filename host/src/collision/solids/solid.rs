@@ -16,6 +16,11 @@ use crate::pattern::{CreasePattern, VertexId};
 /// Sine of the angle between two directions below which they are the same.
 const SAME_SINE: f64 = 1e-9;
 
+/// Numbers of radii and of steps in the search for a ball in two solids, and the part of the radius by which it may stand out.
+const DEEP_HALVINGS: u32 = 8;
+const DEEP_STEPS: u32 = 200;
+const DEEP_SLACK: f64 = 0.25;
+
 /// A convex part of a plate, in the frame of the flat sheet.
 #[derive(Clone, Debug, Default)]
 pub(in crate::collision) struct Solid {
@@ -286,6 +291,37 @@ impl PlacedSolid<'_> {
             }
         }
         planes
+    }
+
+    /// Returns points that lie deep in two solids which overlap by a depth.
+    pub(in crate::collision) fn points_in_both(
+        &self,
+        other: &Self,
+        depth: f64,
+    ) -> Vec<Vector3<f64>> {
+        let planes: Vec<_> = self.planes().chain(other.planes()).collect();
+        let middle = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / count(points);
+        let start = middle(self.points).lerp(&middle(other.points), 0.5);
+        let mut found = Vec::new();
+        for halvings in 1..=DEEP_HALVINGS {
+            // Looks for the centre of a ball in both, by going behind the plane from which it stands out most.
+            let radius = depth / f64::from(1_u32 << halvings);
+            let mut at = start;
+            for _ in 0..DEEP_STEPS {
+                let out = planes
+                    .iter()
+                    .map(|(normal, point)| (normal.dot(&(at - point)) + radius, normal))
+                    .max_by(|a, b| a.0.total_cmp(&b.0));
+                match out {
+                    Some((out, normal)) if out > DEEP_SLACK * radius => at -= normal * out,
+                    _ => {
+                        found.push(at);
+                        break;
+                    }
+                }
+            }
+        }
+        found
     }
 
     /// Returns a lower bound of the distance of two solids or, if they overlap, the negative of the least way that parts them.

@@ -309,8 +309,11 @@ impl<'a> Sweep<'a> {
                 }
                 QueryOutcome::Undecided => return Some(self.undecided(index, time)),
                 // An overlap of solids of which not all facets are known proves nothing.
-                QueryOutcome::Crossing(_) if !self.is_exact(index) => {
-                    return Some(self.undecided(index, time));
+                QueryOutcome::Crossing(_)
+                    if !self.sheet.placed().are_exact(self.queue[index].nodes) =>
+                {
+                    let found = self.certain_ahead(index);
+                    return Some(found.unwrap_or_else(|| self.undecided(index, time)));
                 }
                 QueryOutcome::Split => {
                     self.split(index, time);
@@ -365,12 +368,6 @@ impl<'a> Sweep<'a> {
             faces: one.then(|| self.faces(index)),
             at: self.sheet.motion.place(time),
         }
-    }
-
-    /// Returns `true` if the two pieces of a pair are as they are measured: faces, or solids of which all facets are known.
-    fn is_exact(&self, pair: u32) -> bool {
-        let mut nodes = self.queue[pair].nodes.into_iter();
-        nodes.all(|piece| self.sheet.pieces.solid(piece).is_none_or(|it| it.is_exact))
     }
 
     fn is_spent(&mut self) -> bool {

@@ -1,10 +1,11 @@
 //! Looks ahead for pairs that stand still: that are queried again and again at hardly later times. Such pieces often pass
 //! into each other so slowly that contact turns into a crossing only much later.
 
-use super::Sweep;
 use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::touching::Touch;
+use super::{Sweep, SweepVerdict};
+use crate::collision::Crossing;
 use crate::collision::tolerances::{LAST_FREE_TICKS, LOOK_AHEAD_AFTER};
 
 /// A run of short steps of a pair: of steps that ended before the next tabulated time.
@@ -61,6 +62,36 @@ impl Sweep<'_> {
             }
         }
         None
+    }
+
+    /// Looks at a pair of solids, of which not all facets are known, now and at the tabulated times to come, and returns the
+    /// first crossing that is certain.
+    pub(super) fn certain_ahead(&mut self, index: u32) -> Option<SweepVerdict> {
+        let pair = self.queue[index].clone();
+        let now = self.sheet.time;
+        let mut time = now;
+        let found = loop {
+            self.put(&pair, time);
+            if self.is_split(&pair) {
+                break None;
+            }
+            if let Touch::Crosses(depth) = self.touch(&pair, 0.0) {
+                let depth = self.sheet.placed().least_depth(pair.nodes, depth);
+                if depth > self.allowed(&pair).largest() {
+                    break Some(SweepVerdict::Crossing {
+                        crossing: Crossing::new(self.faces(index), depth),
+                        at: self.sheet.motion.place(time),
+                        last_free: pair.last.map(|last| self.sheet.motion.place(last)),
+                    });
+                }
+            }
+            if time >= self.sheet.motion.end() {
+                break None;
+            }
+            time = self.sheet.motion.next_tabulated(time);
+        };
+        self.sheet.time = now;
+        found
     }
 
     /// Returns the time at which two pieces leave through each other that lie flat on each other at the first time and have
