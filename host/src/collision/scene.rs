@@ -1,6 +1,8 @@
 //! Judges one configuration of a sheet after another: finds the deepest crossing of faces. A bounding volume hierarchy is
 //! the broad phase.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -8,8 +10,9 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use super::pieces::{Contact, Pieces, Placed};
 use super::sides::Side;
+use super::solids::Plates;
 use super::sweep::SweepCounts;
-use crate::folding::FoldingMap;
+use crate::folding::{FoldingMap, Pose};
 use crate::pattern::{CreasePattern, FaceId};
 
 /// Two faces that pass through each other.
@@ -46,6 +49,9 @@ pub struct CollisionScene {
     sides: Vec<([u32; 2], Side)>,
     folded: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
+    /// Points of solids, and poses of their pieces; empty for faces.
+    hulls: Vec<Vector3<f64>>,
+    poses: Vec<Pose>,
     /// Number of pairs of pieces of the same sheet that share no side.
     pairs: u64,
     median_edge: f64,
@@ -58,8 +64,23 @@ impl CollisionScene {
     /// Creates the scene of a pattern. Cost: O(faces).
     #[must_use]
     pub fn new(pattern: &CreasePattern) -> Self {
-        let pieces = Pieces::new(pattern, None);
+        Self::of_plates(pattern, None)
+    }
+
+    /// Creates the scene of a pattern whose panels are plates, if any are given. Cost: O(faces).
+    #[must_use]
+    pub(crate) fn of_plates(pattern: &CreasePattern, plates: Option<&Arc<Plates>>) -> Self {
+        let pieces = Pieces::new(pattern, plates);
+        let mut sides = pieces.sides();
+        sides.retain(|(pair, _)| pieces.keeps_back(pattern, *pair).is_none());
+        let solids = if pieces.are_solid() {
+            pieces.list.len()
+        } else {
+            0
+        };
         Self {
+            hulls: vec![Vector3::zeros(); if solids > 0 { pieces.hull_points() } else { 0 }],
+            poses: vec![Pose::identity(); solids],
             folded: pieces.flat.iter().map(|p| p.push(0.0)).collect(),
             normals: vec![Vector3::z(); pieces.list.len()],
             median_edge: pattern.median_edge(),
@@ -67,7 +88,7 @@ impl CollisionScene {
             workspace: BvhWorkspace::default(),
             counts: SweepCounts::default(),
             pairs: pieces.pairs() - pieces.joined_pairs().len() as u64,
-            sides: pieces.sides(),
+            sides,
             pieces,
         }
     }
@@ -97,8 +118,8 @@ impl CollisionScene {
             pieces,
             folded: &self.folded,
             normals: &self.normals,
-            hulls: &[],
-            poses: &[],
+            hulls: &self.hulls,
+            poses: &self.poses,
         };
         let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
             // Few pairs overlap, so that few tears are measured.
@@ -107,16 +128,22 @@ impl CollisionScene {
                 overlap if overlap > 0.0 => depth(placed.torn([a, b])),
                 _ => return,
             };
-            if depth <= 0.0 {
+            // Only what is certain counts.
+            let certain = match depth > 0.0 && !placed.are_exact([a, b]) {
+                true => placed.least_depth([a, b], depth),
+                false => depth,
+            };
+            if depth <= 0.0 || certain <= contact.of(pieces, [a, b], 0.0).within {
                 return;
             }
-            let crossing = Crossing::new(faces, depth);
+            let crossing = Crossing::new(faces, certain);
             if deepest.is_none_or(|deepest| crossing.exceeds(&deepest)) {
                 deepest = Some(crossing);
             }
         };
         for (pair, side) in &self.sides {
-            if side.may_cross(&placed, contact.of(pieces, *pair, 0.0).within)
+            let may_meet = || side.may_cross(&placed, contact.of(pieces, *pair, 0.0).within);
+            if (pieces.are_solid() || may_meet())
                 && let Some(faces) = pieces.comparable(pair[0], pair[1])
                 && may_cross(faces)
             {
@@ -150,28 +177,38 @@ impl CollisionScene {
 
     /// Places the pieces and updates the hierarchy.
     fn place(&mut self, map: &FoldingMap) {
-        let boxes = self
-            .pieces
-            .list
-            .iter()
-            .zip(&mut self.normals)
-            .map(|(piece, normal)| {
-                let pose = &map.poses()[piece.face.index()];
-                *normal = pose.r_wf.rotate(&Vector3::z());
-                let corners = piece.corners();
-                let mut low = Vector3::repeat(f64::INFINITY);
-                let mut high = -low;
-                let places = self.folded[corners.clone()].iter_mut();
-                for (folded, flat) in places.zip(&self.pieces.flat[corners]) {
-                    *folded = pose.apply(*flat);
-                    low = low.inf(folded);
-                    high = high.sup(folded);
-                }
-                Aabb::new(
-                    Vector::new(low.x, low.y, low.z),
-                    Vector::new(high.x, high.y, high.z),
-                )
-            });
+        let boxes =
+            (0..)
+                .zip(&self.pieces.list)
+                .zip(&mut self.normals)
+                .map(|((index, piece), normal)| {
+                    let pose = &map.poses()[piece.face.index()];
+                    *normal = pose.r_wf.rotate(&Vector3::z());
+                    let corners = piece.corners();
+                    let mut low = Vector3::repeat(f64::INFINITY);
+                    let mut high = -low;
+                    let places = self.folded[corners.clone()].iter_mut();
+                    for (folded, flat) in places.zip(&self.pieces.flat[corners]) {
+                        *folded = pose.apply(*flat);
+                        low = low.inf(folded);
+                        high = high.sup(folded);
+                    }
+                    if let Some(known) = self.poses.get_mut(index as usize) {
+                        *known = *pose;
+                        let mut points = self.hulls[self.pieces.hull(index)].iter_mut();
+                        self.pieces.place(index, pose, |at| {
+                            low = low.inf(&at);
+                            high = high.sup(&at);
+                            if let Some(point) = points.next() {
+                                *point = at;
+                            }
+                        });
+                    }
+                    Aabb::new(
+                        Vector::new(low.x, low.y, low.z),
+                        Vector::new(high.x, high.y, high.z),
+                    )
+                });
         if self.hierarchy.is_empty() {
             let boxes: Vec<_> = boxes.collect();
             self.hierarchy = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::plan::Times;
 use super::{Goal, PlanOptions};
+use crate::collision::Plates;
 use crate::pattern::CreasePattern;
 use crate::progress::{Stage, Watch};
 use crate::util::clock::Instant;
@@ -58,6 +59,8 @@ pub(super) struct PlanningProblem<'a> {
     pub(super) is_trial: bool,
     /// Depth up to which an overlap of faces is contact, median edges.
     pub(super) contact: f64,
+    /// Plates that phases have to be free of crossings for, as the motion of the thin sheet is not; `None` before that is known.
+    pub(super) plates: Option<&'a Arc<Plates>>,
     pub(super) watch: Watch<'a>,
     pub(super) stage_times: &'a StageTimes,
 }

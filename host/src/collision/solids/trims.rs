@@ -42,16 +42,40 @@ impl Trims {
     #[must_use]
     pub fn of(motion: &Motion, options: &PlateOptions) -> Self {
         let pattern = &motion.pattern;
+        let end = motion.knots.len().checked_sub(1);
+        let end = end.map(|last| motion.crease_angles(last));
+        let ranges = motion.angle_ranges();
+        let mut trims = Self::between(pattern, &ranges, end.as_deref());
+        if options.cuts_corners {
+            let [most, least] = SAMPLES;
+            let count = most * SMALL_SHEET / pattern.vertices().len().max(1);
+            let samples = motion.resampled(count.clamp(least, most));
+            let samples = (0..samples.knots.len()).map(|knot| samples.crease_angles(knot));
+            trims.cut_corners(pattern, samples, options);
+        }
+        trims
+    }
+
+    /// Finds what motions ask of plates that end at these fold angles of the creases (radians), on which every crease has angles
+    /// between 0 and that at the end. Corners are cut off where they would be in each other at the end.
+    #[must_use]
+    pub(crate) fn until(pattern: &CreasePattern, end: Vec<f64>, options: &PlateOptions) -> Self {
+        let ranges = end.iter().map(|angle| [angle.min(0.0), angle.max(0.0)]);
+        let mut trims = Self::between(pattern, &ranges.collect::<Vec<_>>(), Some(&end));
+        trims.cut_corners(pattern, [end].into_iter(), options);
+        trims
+    }
+
+    fn between(pattern: &CreasePattern, ranges: &[[f64; 2]], end: Option<&[f64]>) -> Self {
         let mut trims = Self {
             ranges: vec![[0.0; 2]; pattern.edges().len()],
             cuts: HashMap::new(),
         };
-        for (&edge, range) in pattern.creases().iter().zip(motion.angle_ranges()) {
-            trims.ranges[edge.index()] = range;
+        for (edge, range) in pattern.creases().iter().zip(ranges) {
+            trims.ranges[edge.index()] = *range;
         }
-        trims.add_seams(motion);
-        if options.cuts_corners {
-            trims.cut_corners(motion, options);
+        if let Some(end) = end {
+            trims.add_seams(pattern, end);
         }
         trims
     }
@@ -94,12 +118,8 @@ impl Trims {
     }
 
     /// Finds the borders that lie on each other at the end of the motion, but not in the flat sheet.
-    fn add_seams(&mut self, motion: &Motion) {
-        let pattern = &motion.pattern;
-        let Some(last) = motion.knots.len().checked_sub(1) else {
-            return;
-        };
-        let map = FoldingMap::new(pattern, pattern.tree(), &motion.crease_angles(last));
+    fn add_seams(&mut self, pattern: &CreasePattern, end: &[f64]) {
+        let map = FoldingMap::new(pattern, pattern.tree(), end);
         let near = SEAM_EDGES * pattern.median_edge();
         let mut borders: Vec<(f64, Border)> = (0..)
             .map(EdgeId)
@@ -124,11 +144,14 @@ impl Trims {
         }
     }
 
-    /// Cuts off corners of panels that share a vertex and no hinge at it, where they would pass through each other.
-    fn cut_corners(&mut self, motion: &Motion, options: &PlateOptions) {
-        let pattern = &motion.pattern;
-        let [most, least] = SAMPLES;
-        let count = (most * SMALL_SHEET / pattern.vertices().len().max(1)).clamp(least, most);
+    /// Cuts off corners of panels that share a vertex and no hinge at it, where they would pass through each other at one of
+    /// these configurations, given as fold angles of the creases (radians).
+    fn cut_corners(
+        &mut self,
+        pattern: &CreasePattern,
+        configurations: impl Iterator<Item = Vec<f64>>,
+        options: &PlateOptions,
+    ) {
         let [below, above] = [options.hinge_plane > 0.0, options.hinge_plane < 1.0];
         let first_faces = first_faces(pattern);
         let mut vertices = Vec::new();
@@ -151,10 +174,8 @@ impl Trims {
             vertices.push((vertex, corners, apart));
         }
         let mut map = FoldingMap::flat(pattern);
-        let memberships = motion.memberships();
-        let shapes = motion.resampled(count);
-        for knot in &shapes.knots {
-            map.fold_groups(pattern, pattern.tree(), &memberships, &knot.angles);
+        for angles in configurations {
+            map.fold(pattern, pattern.tree(), &angles);
             for (vertex, corners, pairs) in &vertices {
                 for &[a, b] in pairs {
                     let both = [&corners[a], &corners[b]];

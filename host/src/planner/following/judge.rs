@@ -37,6 +37,15 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// Returns this judge for crossings of the plates that phases have to be free for, if any are.
+    pub(crate) fn of_plates(self, problem: &PlanningProblem<'_>) -> Self {
+        let scene = self.scene.map(|thin| match problem.plates {
+            Some(plates) => CollisionScene::of_plates(problem.pattern, Some(plates)),
+            None => thin,
+        });
+        Self { scene, ..self }
+    }
+
     /// Folds the sheet by these group angles, and returns its errors; the twist is the closure residual, if that is larger.
     pub(crate) fn errors_at(&mut self, angles: &[f64]) -> Rigidity {
         self.place(angles);

@@ -134,13 +134,17 @@ fn note_crossing(
 }
 
 /// Returns the deepest crossing of the goal, if every crease has a goal angle and the goal closes.
-fn goal_crossing(asked: &PlanningProblem<'_>, pattern: &CreasePattern) -> Option<Crossing> {
+pub(super) fn goal_crossing(
+    asked: &PlanningProblem<'_>,
+    pattern: &CreasePattern,
+) -> Option<Crossing> {
     let goal = &asked.goal.fold_angles;
     let angles: Option<Vec<f64>> = goal.iter().copied().collect();
     let closes = closure_of(pattern, goal).is_some_and(|residual| residual <= NEARLY_CLOSED);
     let angles = angles.filter(|angles| closes && angles.len() == pattern.creases().len())?;
     let map = FoldingMap::new(pattern, pattern.tree(), &angles);
-    CollisionScene::new(pattern).deepest_crossing(&map, 0.0)
+    let contact = asked.plates.map_or(0.0, |_| asked.contact);
+    CollisionScene::of_plates(pattern, asked.plates).deepest_crossing(&map, contact)
 }
 
 /// Returns a note of how far a path leads along the letters, if a smaller fraction of a half turn would be a plan; of a net

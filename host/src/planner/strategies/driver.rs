@@ -3,18 +3,18 @@
 
 use std::sync::Arc;
 
-use super::advice::{explain_first_steps, note_free_turns, what_may_help};
+use super::advice::{explain_first_steps, goal_crossing, note_free_turns, what_may_help};
 use super::bending::{bend_least, note_least_bend};
 use super::fold_sequence::{fold_in_sequence, has_few_creases};
 use super::lines::{turn_driven_alone, turn_lines_alone, turns_more};
 use super::phase_samples::turns_freely;
 use super::pipeline::deform;
-use super::plates::judge_plates;
+use super::plates::{judge_plates, plates_asked_for};
 use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
-use crate::collision::contact_tolerance;
+use crate::collision::{Crossing, contact_tolerance};
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
@@ -456,6 +456,7 @@ fn plan_until(
         goes_straight: false,
         is_trial: false,
         contact,
+        plates: None,
         watch: Watch::new(progress).until(deadline),
         stage_times: &stage_times,
     };
@@ -475,6 +476,7 @@ fn plan_until(
     });
     list_own_order(&asked, &mut best);
     judge_plates(&asked, &mut best);
+    fold_plates_in_phases(&context, &mut best, &mut attempts);
     best.effort.times = stage_times.times();
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
@@ -505,6 +507,42 @@ fn plan_until(
         motion.phases.retain(|knot| inner.contains(knot));
     }
     best
+}
+
+/// Looks for phases in which plates do not pass through each other that do so on the motion of the thin sheet, if each hinge
+/// turns freely.
+fn fold_plates_in_phases(context: &Context<'_>, best: &mut Plan, attempts: &mut Vec<Attempt>) {
+    let asked = context.problem;
+    let crosses = matches!(best.reason, Some(Reason::PlatesCross { .. }));
+    if !crosses || asked.options.search != Search::Auto || !turns_freely(asked.pattern) {
+        return;
+    }
+    let Some(plates) = plates_asked_for(asked).map(Arc::new) else {
+        return;
+    };
+    let problem = PlanningProblem {
+        plates: Some(&plates),
+        ..*asked
+    };
+    if let Some(Crossing { faces, depth }) = goal_crossing(&problem, asked.pattern) {
+        let depth = depth / asked.pattern.median_edge();
+        best.notes.push(Note::GoalItselfCrosses { faces, depth });
+        return;
+    }
+    let context = Context {
+        problem: &problem,
+        ..*context
+    };
+    let mut plan = asked.stage(Stage::Following, || {
+        try_rows(StartsFrom::Problem, &context, Plan::default(), attempts)
+    });
+    plan.effort += core::mem::take(&mut best.effort);
+    if plan.outcome == Outcome::Planned {
+        list_own_order(asked, &mut plan);
+        *best = plan;
+    } else {
+        best.effort = plan.effort;
+    }
 }
 
 /// Lists the order of the motion, if orders are asked for, the plan has none yet, and each hinge turns freely.

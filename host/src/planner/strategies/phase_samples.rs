@@ -59,7 +59,7 @@ impl<'a> PhaseSamples<'a> {
         Self {
             problem,
             left: FEWEST_FACES.max(FACES_PER_PAIR * faces * faces),
-            judge: Judge::new(problem, reduction, problem.options.collision),
+            judge: Judge::new(problem, reduction, problem.options.collision).of_plates(problem),
             leg,
             known: HashMap::new(),
         }

@@ -1,6 +1,7 @@
 //! The stages from a route to a plan under one error model: reduced path, knots, certified motion, swept motion, plan.
 
 use super::arrival::judge_arrival;
+use super::plates::judge_plates;
 use crate::collision::Crossing;
 use crate::pattern::CreasePattern;
 use crate::planner::following::judge::Judge;
@@ -55,7 +56,11 @@ pub(crate) fn follow(
         }
         _ => without_route(problem, route),
     };
-    let plan = plan_of(problem, route, &route.reduction, arrival, lifted);
+    let mut plan = plan_of(problem, route, &route.reduction, arrival, lifted);
+    if problem.plates.is_some() && plan.outcome == Outcome::Planned {
+        judge_plates(problem, &mut plan);
+        is_obstructed |= plan.outcome != Outcome::Planned;
+    }
     (plan, is_obstructed)
 }
 

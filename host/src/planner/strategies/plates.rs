@@ -70,8 +70,30 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
             best.undecided.push(open);
             (best.outcome, best.reason) = (outcome, Some(Reason::Undecided(open)));
         }
-        Some((outcome, reason)) => (best.outcome, best.reason) = (outcome, Some(reason)),
+        Some((outcome, reason)) => {
+            if let (Some(_), Reason::PlatesCross { segment, .. }, Some(motion)) =
+                (asked.plates, &reason, &mut best.motion)
+            {
+                // What folds in phases goes on from where it is free.
+                motion.knots.truncate(segment + 2);
+                motion.phases.retain(|knot| knot <= segment);
+            }
+            (best.outcome, best.reason) = (outcome, Some(reason));
+        }
     }
+}
+
+/// Returns the plates of the thickness that is asked for, with corners cut off where the goal asks for it, for motions on which no
+/// hinge turns past its goal; `None` if no thickness is asked for, or the plates cannot be made.
+pub(super) fn plates_asked_for(asked: &PlanningProblem<'_>) -> Option<Plates> {
+    let request = asked.options.plates.as_ref()?;
+    if request.thickness == Thickness::Max {
+        return None;
+    }
+    let angles = asked.goal.fold_angles.iter();
+    let angles = angles.map(|angle| angle.unwrap_or(0.0)).collect();
+    let trims = Trims::until(asked.pattern, angles, &request.plates);
+    Plates::new(asked.pattern, &trims, &request.plates).ok()
 }
 
 /// Knowledge of plates.

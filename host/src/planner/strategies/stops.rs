@@ -220,8 +220,9 @@ fn leg_in_phases(problem: &PlanningProblem<'_>, route: &Route<'_>, plan: &Plan) 
     };
     let end = groups.expand(end);
     let reduction = Reduction::of(problem, CreaseGroups::trivial(problem.pattern));
-    let mut judge = Judge::new(problem, &reduction, problem.options.collision);
+    let judge = Judge::new(problem, &reduction, problem.options.collision);
     judge
+        .of_plates(problem)
         .is_free(&end, problem.options)
         .then_some(Leg { start, end, before })
 }
