@@ -407,6 +407,15 @@ impl Display for Note {
                 "at the goal itself faces {a} and {b} are {depth:.1e} median edges in each other: no order of folds leads \
                  there"
             ),
+            Self::PlatesCrossAtGoal {
+                faces: [a, b],
+                depth,
+                thickness,
+            } => write!(
+                f,
+                "at the goal itself panels {a} and {b}, {thickness} thick, are {depth:.3} in each other: no order of folds leads \
+                 there; panels that lie on each other have to be drawn a thickness apart"
+            ),
             Self::TurnedFreely { mountains, valleys } => {
                 f.write_str(
                     "hinges that have neither goal nor letter turned as the sheet closes first",
@@ -428,11 +437,12 @@ impl Display for Note {
 
 /// Says how thick plates may be, and what is in the way of thicker ones.
 fn thickest_in_words(found: &Thickest, f: &mut Formatter<'_>) -> Result {
-    write!(
-        f,
-        "plates up to {:.6} thick are proved to fold",
-        found.proved
-    )?;
+    if found.proved > 0.0 {
+        let proved = found.proved;
+        write!(f, "plates up to {proved:.6} thick are proved to fold")?;
+    } else {
+        f.write_str("plates of no thickness are proved to fold")?;
+    }
     match found.refuted {
         None => f.write_str("; none is too thick, up to the width of the sheet")?,
         Some((thickness, TooThick::NotMade(error))) => write!(f, "; at {thickness:.6}, {error}")?,

@@ -342,6 +342,15 @@ pub enum Note {
         /// Depth of the crossing, in median edges.
         depth: f64,
     },
+    /// Plates are in each other at the goal, in whatever order they fold.
+    PlatesCrossAtGoal {
+        /// The two panels.
+        faces: [FaceId; 2],
+        /// Depth to which they are in each other at least, units of the sheet.
+        depth: f64,
+        /// Their thickness, units of the sheet.
+        thickness: f64,
+    },
     /// Hinges turned that have neither a goal nor a letter; another choice of their directions might close as well.
     TurnedFreely {
         /// Edges of those that turned as mountains.

@@ -157,7 +157,8 @@ impl PlanRequest {
             Some((edge, degrees)) => {
                 let problem = format!(
                     "expected hinges that turn by at most {MAX_PLATE_ANGLE_DEG} degrees, but the goal of edge {edge} is \
-                     {degrees:.6}: tapers would have no end"
+                     {degrees:.6}: tapers would have no end; two creases that are farther apart than the plates are thick \
+                     lay one plate on another"
                 );
                 Err(RequestError::option("thickness", problem))
             }

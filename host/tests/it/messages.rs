@@ -383,6 +383,15 @@ fn notes_are_sentences() {
             "at the goal itself faces 3 and 8 are 4.2e-1 median edges in each other: no order of folds leads there",
         ),
         (
+            Note::PlatesCrossAtGoal {
+                faces: FACES,
+                depth: 0.42,
+                thickness: 1.5,
+            },
+            "at the goal itself panels 3 and 8, 1.5 thick, are 0.420 in each other: no order of folds leads there; panels \
+             that lie on each other have to be drawn a thickness apart",
+        ),
+        (
             Note::TurnedFreely {
                 mountains: edges(1),
                 valleys: edges(2),

@@ -2,6 +2,7 @@
 //! closes to rounding, by a closed form or by the Newton's method of this package.
 
 mod alone;
+mod carton;
 mod fan;
 mod file;
 mod flat_foldable;
@@ -22,6 +23,7 @@ use foldpath::pattern::{Drawing, DrawnEdge, Letter};
 use nalgebra::Vector2;
 
 pub use alone::{LineAlone, line_alone};
+pub use carton::Carton;
 pub use fan::fan;
 pub use file::{file, named_file};
 pub use flat_foldable::flat_foldable;

@@ -6,11 +6,12 @@ use std::process::Command;
 
 use foldpath::collision::{PlateError, Plates, Trims};
 use foldpath::export::{csv, mjcf};
-use foldpath::generate::Miura;
+use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::motion::{Motion, PlateOptions, PlateSides};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, PlateRequest, plan};
 use foldpath::read::read_pattern;
+use foldpath_tests::meshes::Carton;
 use nalgebra::Vector2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -231,13 +232,174 @@ fn least_distance(python: &Path, motion: Motion) -> f64 {
     let sheet = Planned {
         name: "plates".into(),
         certified: 0.0,
-        motion: motion.at_times((0..=40).map(|k| {
+        motion: motion.at_times((0..=200).map(|k| {
             let last = motion.knots.last().map_or(0.0, |knot| knot.time);
-            last * f64::from(k) / 40.0
+            last * f64::from(k) / 200.0
         })),
     };
     let (folder, _) = exported(&sheet);
     ask(python, "plates", &folder)["worst"].as_f64().unwrap()
+}
+
+/// Returns the drawing of a sheet of these faces, with the goal (radians) of each edge that two of them share, by its ends.
+fn sheet_of(faces: &[Vec<[f64; 2]>], goal: impl Fn([Vector2<f64>; 2]) -> f64) -> Drawing {
+    let mut vertices: Vec<Vector2<f64>> = Vec::new();
+    let mut edges: Vec<([usize; 2], bool)> = Vec::new();
+    for face in faces {
+        let corners: Vec<usize> = face
+            .iter()
+            .map(|at| {
+                let at = Vector2::from(*at);
+                let known = vertices.iter().position(|it| (it - at).norm() < 1e-9);
+                known.unwrap_or_else(|| {
+                    vertices.push(at);
+                    vertices.len() - 1
+                })
+            })
+            .collect();
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            match edges.iter_mut().find(|(ends, _)| *ends == [b, a]) {
+                Some((_, is_shared)) => *is_shared = true,
+                None => edges.push(([a, b], false)),
+            }
+        }
+    }
+    let edge = |(ends, is_shared): ([usize; 2], bool)| {
+        let goal = is_shared.then(|| goal(ends.map(|end| vertices[end])));
+        DrawnEdge {
+            ends,
+            letter: match goal {
+                None => Letter::Boundary,
+                Some(goal) if goal > 0.0 => Letter::Valley,
+                Some(goal) if goal < 0.0 => Letter::Mountain,
+                Some(_) => Letter::Flat,
+            },
+            goal,
+        }
+    };
+    Drawing {
+        edges: edges.into_iter().map(edge).collect(),
+        vertices,
+        faces: None,
+    }
+}
+
+/// Returns rectangles of unit height in rows and columns.
+fn rectangles(columns: u32, rows: u32, height: f64) -> Vec<Vec<[f64; 2]>> {
+    let all = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+    let rectangle = |[column, row]: [u32; 2]| {
+        let ([x, y], top) = ([f64::from(column), f64::from(row) * height], height);
+        vec![[x, y], [x + 1.0, y], [x + 1.0, y + top], [x, y + top]]
+    };
+    all.map(rectangle).collect()
+}
+
+/// Returns a band of `count` triangles up and down, with triangles below and above some of them.
+fn triangles(count: u32, below: &[u32], above: &[u32]) -> Vec<Vec<[f64; 2]>> {
+    let h = 0.75_f64.sqrt();
+    let x = f64::from;
+    let band = (0..count).flat_map(|k| {
+        [
+            vec![[x(k), 0.0], [x(k) + 1.0, 0.0], [x(k) + 0.5, h]],
+            vec![[x(k) + 0.5, h], [x(k) + 1.0, 0.0], [x(k) + 1.5, h]],
+        ]
+    });
+    let below = below
+        .iter()
+        .map(|&k| vec![[x(k), 0.0], [x(k) + 0.5, -h], [x(k) + 1.0, 0.0]]);
+    let above = above
+        .iter()
+        .map(|&k| vec![[x(k) + 0.5, h], [x(k) + 1.5, h], [x(k) + 1.0, 2.0 * h]]);
+    band.chain(below).chain(above).collect()
+}
+
+/// Returns sheets that are made of plates.
+fn sheets_of_plates() -> Vec<(&'static str, Drawing)> {
+    let is_upright = |[a, b]: [Vector2<f64>; 2]| (a.x - b.x).abs() < 1e-9;
+    let bent = |degrees: f64| move |_| degrees.to_radians();
+    let all = [0, 1, 2, 3, 4];
+    let [of_octahedron, of_icosahedron] = [-1.0 / 3.0, -(5.0_f64.sqrt()) / 3.0];
+    let between = |cosine: f64| move |_| core::f64::consts::PI - cosine.acos();
+    let mut cube = rectangles(4, 1, 1.0);
+    cube.extend([1.0, -1.0].map(|y| vec![[1.0, y], [2.0, y], [2.0, y + 1.0], [1.0, y + 1.0]]));
+    let miura = Miura {
+        rows: 4,
+        columns: 4,
+        sector_angle: 60_f64.to_radians(),
+        fold: 150.0 / 180.0,
+    };
+    let waterbomb = Waterbomb {
+        rows: 4,
+        columns: 6,
+        fold: 0.5,
+    };
+    let yoshimura = Yoshimura {
+        rows: 4,
+        columns: 4,
+        angle: 30_f64.to_radians(),
+        fold: 0.25,
+    };
+    let carton = Carton {
+        width: 60.0,
+        depth: 30.0,
+        height: 50.0,
+        glue: 10.0,
+        tuck: 8.0,
+        step: 1.0,
+    };
+    vec![
+        ("miura", miura.drawing().unwrap()),
+        ("waterbomb", waterbomb.drawing().unwrap()),
+        ("yoshimura", yoshimura.drawing().unwrap()),
+        // The ends of a strip that is folded into a ring come near each other.
+        ("ring", sheet_of(&rectangles(4, 1, 1.0), bent(84.0))),
+        (
+            "tube",
+            sheet_of(&rectangles(6, 3, 1.0), |ends| {
+                if is_upright(ends) {
+                    bent(60.0)(ends)
+                } else {
+                    0.0
+                }
+            }),
+        ),
+        ("cube", sheet_of(&cube, bent(90.0))),
+        (
+            "octahedron",
+            sheet_of(&triangles(3, &[0], &[0]), between(of_octahedron)),
+        ),
+        (
+            "icosahedron",
+            sheet_of(&triangles(5, &all, &all), between(of_icosahedron)),
+        ),
+        ("tuck carton", carton.drawing()),
+        (
+            "map",
+            sheet_of(&rectangles(4, 4, 1.0), |ends| {
+                let sign = if (ends[0].y as i64) % 2 == 0 {
+                    1.0
+                } else {
+                    -1.0
+                };
+                if is_upright(ends) {
+                    0.0
+                } else {
+                    sign * bent(150.0)(ends)
+                }
+            }),
+        ),
+        (
+            "accordion",
+            sheet_of(&rectangles(8, 1, 2.0), |ends| {
+                let sign = if (ends[0].x as i64) % 2 == 0 {
+                    1.0
+                } else {
+                    -1.0
+                };
+                sign * bent(150.0)(ends)
+            }),
+        ),
+    ]
 }
 
 /// Plates as thick as is proved keep apart for the engine, too. The engine finds two plates in each
@@ -247,40 +409,16 @@ fn plates_as_thick_as_is_proved_keep_apart() {
     let Some(python) = python("mujoco") else {
         return;
     };
-    let miura = Miura {
-        rows: 4,
-        columns: 4,
-        sector_angle: 60_f64.to_radians(),
-        fold: 150.0 / 180.0,
-    };
-    // The ends of a strip that is folded into a ring come near each other.
-    let strip = Drawing {
-        vertices: (0..10)
-            .map(|k| Vector2::new(f64::from(k / 2), f64::from(k % 2)))
-            .collect(),
-        edges: (0..5)
-            .map(|k| ([2 * k, 2 * k + 1], (1..4).contains(&k)))
-            .chain((0..8).map(|k| ([k, k + 2], false)))
-            .map(|(ends, folds)| DrawnEdge {
-                ends,
-                letter: if folds {
-                    Letter::Valley
-                } else {
-                    Letter::Boundary
-                },
-                goal: folds.then_some(84_f64.to_radians()),
-            })
-            .collect(),
-        faces: None,
-    };
     let (mut crossed, mut used_up) = (0, 0);
-    for (name, drawing) in [("miura", miura.drawing().unwrap()), ("strip", strip)] {
+    for (name, drawing) in sheets_of_plates() {
         let pattern = CreasePattern::new(drawing).unwrap();
-        for (plane, sides) in [
+        let forms = [
             (0.5, PlateSides::Taper),
             (0.5, PlateSides::Inset),
             (0.0, PlateSides::Taper),
-        ] {
+        ];
+        let all_forms = ["miura", "ring"].contains(&name);
+        for (plane, sides) in forms.into_iter().take(if all_forms { 3 } else { 1 }) {
             let plates = PlateOptions::of_thickness(0.0)
                 .with(|it| (it.hinge_plane, it.sides) = (plane, sides));
             let options =

@@ -6,6 +6,10 @@
 use core::f64::consts::PI;
 
 use foldpath::check::{CheckOptions, Failure, Outcome, check};
+use foldpath::motion::PlateOptions;
+use foldpath::pattern::CreasePattern;
+use foldpath::planner::{Goal, Note, PlanOptions, PlateRequest, plan};
+use foldpath_tests::meshes::Carton;
 use foldpath_tests::{Random, path_file};
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use serde_json::json;
@@ -501,4 +505,46 @@ fn no_motion_holds_on_which_plates_pass_through_each_other() {
     println!("{tally:?}");
     assert!(tally.held >= 600 && tally.refused >= 200, "{tally:?}");
     assert!(50 * tally.clear <= 1000, "{tally:?}");
+}
+
+/// Board folds a carton if and only if it is no thicker than the steps that the carton is drawn with.
+#[test]
+fn cartons_fold_if_their_board_is_no_thicker_than_their_steps() {
+    for seed in 0..12 {
+        let mut random = Random::stream(seed, 60);
+        let carton = Carton::random(&mut random);
+        let pattern = CreasePattern::new(carton.drawing()).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        let thin = random.uniform(0.3, 0.98);
+        for (part, folds) in [(thin, true), (1.0, true), (1.05, false)] {
+            let plates = PlateOptions::of_thickness(part * carton.step);
+            let options =
+                PlanOptions::default().with(|it| it.plates = Some(PlateRequest::given(plates)));
+            let answer = plan(&pattern, &goal, &options);
+            let what = format!("{seed}: {part} of {carton:?}: {:?}", answer.reason);
+            if folds {
+                assert_eq!(
+                    answer.outcome,
+                    foldpath::planner::Outcome::Planned,
+                    "{what}"
+                );
+                let motion = answer.motion.unwrap();
+                assert_eq!(motion.plates, Some(plates), "{what}");
+                let verdict = check(&motion, &CheckOptions::default());
+                assert_eq!(verdict.outcome(), Outcome::Holds, "{what}");
+            } else {
+                assert!(
+                    matches!(answer.outcome, foldpath::planner::Outcome::Crossing(_)),
+                    "{what}"
+                );
+                // The flap in the tube lies in the side that closes over it.
+                let at_goal = |note: &Note| matches!(note, Note::PlatesCrossAtGoal { .. });
+                assert!(
+                    answer.notes.iter().any(at_goal),
+                    "{what}: {:?}",
+                    answer.notes
+                );
+            }
+        }
+    }
 }

@@ -525,8 +525,12 @@ fn fold_plates_in_phases(context: &Context<'_>, best: &mut Plan, attempts: &mut 
         ..*asked
     };
     if let Some(Crossing { faces, depth }) = goal_crossing(&problem, asked.pattern) {
-        let depth = depth / asked.pattern.median_edge();
-        best.notes.push(Note::GoalItselfCrosses { faces, depth });
+        let thickness = plates.options.thickness;
+        best.notes.push(Note::PlatesCrossAtGoal {
+            faces,
+            depth,
+            thickness,
+        });
         return;
     }
     let context = Context {
