@@ -1,4 +1,5 @@
-"""Loads models that foldpath has exported into physics engines and prints what these find, as one JSON object.
+"""Loads files that foldpath has exported into physics engines and other programs and prints what these find, as one JSON
+object.
 
     judge.py loops FOLDER     sets every hinge of the tree along the motion; the largest error of a loop, in units of
                               the sheet, by MuJoCo's own kinematics
@@ -7,10 +8,14 @@
     judge.py plates FOLDER    sets every hinge of the tree along the motion; the least distance of two panels that are meshes,
                               below 0 if they are in each other, over the extent of the model
     judge.py drake FOLDER     loads the model into Drake and counts
+    judge.py shop FOLDER      loads STL and DXF files for the workshop: each solid's volume, and whether it is closed; errors of
+                              drawings, and the number of entities of each layer
 
-FOLDER has the model (scene.xml and meshes) and motion.csv, the angles of all hinges in degrees at a fixed rate.
+FOLDER has the model (scene.xml and meshes) and motion.csv, the angles of all hinges in degrees at a fixed rate; for `shop` it
+has the STL and DXF files.
 """
 
+import collections
 import csv
 import json
 import pathlib
@@ -106,7 +111,26 @@ def drake(folder):
     return {"bodies": plant.num_bodies() - 1, "joints": plant.num_positions(), "loops": loops}
 
 
+def shop(folder):
+    import ezdxf
+    import trimesh
+
+    solids, drawings = {}, {}
+    for file in sorted(folder.glob("*.stl")):
+        loaded = trimesh.load(file)
+        meshes = loaded.geometry.values() if hasattr(loaded, "geometry") else [loaded]
+        solids[file.name] = [
+            {"closed": bool(mesh.is_watertight and mesh.is_winding_consistent), "volume": float(mesh.volume)} for mesh in meshes
+        ]
+    for file in sorted(folder.glob("*.dxf")):
+        drawing = ezdxf.readfile(file)
+        found = drawing.audit()
+        layers = collections.Counter(entity.dxf.layer for entity in drawing.modelspace())
+        drawings[file.name] = {"errors": len(found.errors) + len(found.fixes), "layers": layers}
+    return {"solids": solids, "drawings": drawings}
+
+
 if __name__ == "__main__":
     question, folder = sys.argv[1:]
-    answer = {"loops": loops, "plates": plates, "drive": drive, "drake": drake}[question](pathlib.Path(folder))
+    answer = {"loops": loops, "plates": plates, "drive": drive, "drake": drake, "shop": shop}[question](pathlib.Path(folder))
     print(json.dumps(answer))

@@ -7,7 +7,7 @@
 use ::dxf::entities::{Circle, Entity, EntityType, Line, LwPolyline, Text};
 use ::dxf::enums::{AcadVersion, Units};
 use ::dxf::tables::Layer;
-use ::dxf::{Color, Drawing, LwPolylineVertex, Point};
+use ::dxf::{Color, Drawing, DxfError, DxfResult, Handle, LwPolylineVertex, Point};
 use nalgebra::Vector2;
 
 use super::cut_sheet::{self, CutSheet};
@@ -28,13 +28,24 @@ const LAYERS: [(&str, u8); 5] = [
 /// Colours of the layers of plates to be cut: white or black, red, blue, green and grey.
 const CUT_COLOURS: [u8; 5] = [7, 1, 5, 3, 8];
 
+/// Tables of a drawing.
+const TABLES: [&str; 9] = [
+    "VPORT",
+    "LTYPE",
+    "LAYER",
+    "STYLE",
+    "VIEW",
+    "UCS",
+    "APPID",
+    "DIMSTYLE",
+    "BLOCK_RECORD",
+];
+
 /// Makes the drawing.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
     let pattern = export.source.pattern();
     let save = |drawing: Drawing| {
-        let mut bytes = Vec::new();
-        let saved = drawing.save(&mut bytes);
-        saved.map(|()| bytes).map_err(|error| {
+        saved(drawing).map_err(|error| {
             let expected = "a sheet that DXF can hold";
             FileError::expected(export.name, "the file", expected, error.to_string())
         })
@@ -67,6 +78,22 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
         made.notes.push(note.into());
     }
     Ok(made)
+}
+
+/// Returns the bytes of a drawing. The crate writes tables without their handles, which strict readers miss: they are put in.
+fn saved(mut drawing: Drawing) -> DxfResult<Vec<u8>> {
+    let next = &mut drawing.header.next_available_handle;
+    let handles = TABLES.map(|_| core::mem::replace(next, Handle(next.0 + 1)));
+    let mut bytes = Vec::new();
+    drawing.save(&mut bytes)?;
+    let Ok(mut text) = String::from_utf8(bytes) else {
+        return Err(DxfError::MalformedString);
+    };
+    for (table, Handle(handle)) in TABLES.into_iter().zip(handles) {
+        let head = format!("TABLE\r\n  2\r\n{table}\r\n");
+        text = text.replacen(&head, &format!("{head}  5\r\n{handle:X}\r\n"), 1);
+    }
+    Ok(text.into_bytes())
 }
 
 /// Returns the drawing of plates to be cut.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use foldpath::collision::{PlateError, Plates, Trims};
-use foldpath::export::{csv, mjcf};
+use foldpath::export::{ExportOptions, Format, Source, csv, mjcf};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::motion::{Motion, PlateOptions, PlateSides};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
@@ -452,4 +452,105 @@ fn plates_as_thick_as_is_proved_keep_apart() {
         }
     }
     assert!(crossed >= 2 && used_up >= 2, "{crossed} {used_up}");
+}
+
+/// Returns the volume of a plate between its outlines. Areas are quadratic between two heights, so that Simpson's rule is exact.
+fn volume(plates: &Plates, plate: usize) -> f64 {
+    let outlines = plates.list[plate].outlines.windows(2);
+    let layers = plates.heights.windows(2).zip(outlines);
+    let area = |outline: Vec<Vector2<f64>>| {
+        let next = outline.iter().cycle().skip(1);
+        outline
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a.perp(b))
+            .sum::<f64>()
+            / 2.0
+    };
+    layers
+        .map(|(heights, outlines)| {
+            let [lower, upper] = [0, 1].map(|k| outlines[k].concat());
+            let pairs = lower.iter().zip(&upper);
+            let middle = pairs.map(|(a, b)| (a + b) / 2.0).collect();
+            let height = heights[1] - heights[0];
+            height * (area(lower) + 4.0 * area(middle) + area(upper)) / 6.0
+        })
+        .sum()
+}
+
+/// Files for the workshop are closed solids with the volumes of the plates, and drawings without errors.
+#[test]
+fn files_for_the_workshop_are_read_by_other_programs() {
+    let Some(python) = python("trimesh, ezdxf") else {
+        return;
+    };
+    for (name, drawing) in sheets_of_plates() {
+        let pattern = CreasePattern::new(drawing).unwrap();
+        let goal = Goal::of_pattern(&pattern).unwrap();
+        for sides in PlateSides::ALL {
+            let options = PlateOptions::of_thickness(0.1).with(|it| it.sides = sides);
+            let options =
+                PlanOptions::default().with(|it| it.plates = Some(PlateRequest::given(options)));
+            let motion = plan(&pattern, &goal, &options).motion.unwrap();
+            let options = motion.plates.unwrap();
+            let plates =
+                Plates::new(&motion.pattern, &Trims::of(&motion, &options), &options).unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            for (format, options) in [
+                ("stl", ExportOptions::default()),
+                (
+                    "stl",
+                    ExportOptions::default().with(|it| it.assembled = true),
+                ),
+                ("dxf", ExportOptions::default().with(|it| it.kerf = 0.01)),
+            ] {
+                let made = Format::named(format).unwrap().make(
+                    Source::Motion(&motion),
+                    Path::new(name),
+                    &options,
+                    &mut |file, content| {
+                        let file = if file.is_empty() { "cut.dxf" } else { file };
+                        std::fs::write(folder.path().join(file), content).unwrap();
+                        Ok(())
+                    },
+                );
+                made.unwrap();
+            }
+            let answer = ask(&python, "shop", &folder);
+            let what = format!("{name}, {sides:?}: {answer}");
+            let cut = &answer["drawings"]["cut.dxf"];
+            assert_eq!(cut["errors"], 0, "{what}");
+            assert_eq!(cut["layers"]["CUT"], plates.list.len(), "{what}");
+            assert_eq!(cut["layers"]["TEXT"], plates.list.len(), "{what}");
+            let mut judged = 0;
+            for (file, solids) in answer["solids"].as_object().unwrap() {
+                let solids = solids.as_array().unwrap();
+                let panels: Vec<usize> = match file.strip_prefix("panel_") {
+                    Some(rest) => {
+                        let face: usize = rest.split('_').next().unwrap().parse().unwrap();
+                        vec![plates.of_face[face]]
+                    }
+                    None => (0..plates.list.len()).collect(),
+                };
+                assert_eq!(solids.len(), panels.len(), "{what}");
+                let mut expected: Vec<f64> =
+                    panels.iter().map(|&plate| volume(&plates, plate)).collect();
+                let mut found: Vec<f64> = Vec::new();
+                for solid in solids {
+                    assert_eq!(solid["closed"], true, "{what}");
+                    found.push(solid["volume"].as_f64().unwrap());
+                }
+                expected.sort_by(f64::total_cmp);
+                found.sort_by(f64::total_cmp);
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!(
+                        (found - expected).abs() <= 1e-9 * expected,
+                        "{what}: {found} {expected}"
+                    );
+                    judged += 1;
+                }
+            }
+            assert!(judged > plates.list.len(), "{what}");
+        }
+    }
 }
