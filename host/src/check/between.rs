@@ -11,7 +11,7 @@ use super::{CheckOptions, PathCrossing, Sample, Verdict, count};
 use crate::certificate::{Closure, FoldingCertifier, SheetCertifier};
 use crate::collision::{
     CollisionScene, Crossing, Openness, Place, Plates, SearchEffort, SearchedSheet, SweepVerdict,
-    Trims,
+    Trims, thickest,
 };
 use crate::folding::{FoldingMap, Rigidity, SpanningTree};
 use crate::motion::{Motion, PlateOptions};
@@ -168,15 +168,23 @@ pub(super) fn check_plates(
     if !verdict.crossings.is_empty() {
         return;
     }
-    let plates = match Plates::new(pattern, &Trims::of(path, options), options) {
+    let trims = Trims::of(path, options);
+    let memberships = motion.groups.memberships();
+    let (effort, openness) = search_of(verdict, check);
+    let search = |plates: Arc<Plates>| {
+        let plated = SearchedSheet::new(pattern, memberships, Some(sheet.contact), watch);
+        let plated = plated.made_of(plates);
+        plated.search(&motion.segments, &effort, openness)
+    };
+    if check.thickest {
+        let found = thickest(pattern, &trims, options, |plates| search(plates).verdict);
+        verdict.thickest = Some(found);
+    }
+    let plates = match Plates::new(pattern, &trims, options) {
         Ok(plates) => plates,
         Err(error) => return verdict.failures.push(Failure::PlatesNotMade(error)),
     };
-    let memberships = motion.groups.memberships();
-    let (effort, openness) = search_of(verdict, check);
-    let plated = SearchedSheet::new(pattern, memberships, Some(sheet.contact), watch);
-    let plated = plated.made_of(Arc::new(plates));
-    let searched = plated.search(&motion.segments, &effort, openness);
+    let searched = search(Arc::new(plates));
     let moment = |at: Place| Moment::Between {
         segment: at.segment,
         s: at.s,

@@ -30,7 +30,7 @@ pub(crate) use merged_groups::MergedGroups;
 use core::time::Duration;
 use std::time::Instant;
 
-use crate::collision::{Crossing, SearchedSheet};
+use crate::collision::{Crossing, SearchedSheet, Thickest};
 use crate::folding::{DEFAULT_BOUND, Rigidity};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
@@ -51,6 +51,8 @@ pub struct CheckOptions {
     pub samples: usize,
     /// `true` if crossings are searched for anywhere on the motion, not only in these shapes and at knots.
     pub sweep: bool,
+    /// `true` to find how thick plates may be, if the path has plates.
+    pub thickest: bool,
     /// Time after which judging stops; `None` for no limit. The verdict tells what was proved by then.
     pub timeout: Option<Duration>,
 }
@@ -65,6 +67,7 @@ impl CheckOptions {
             bend: 0.0,
             samples: 0,
             sweep: false,
+            thickest: false,
             timeout: None,
         }
     }
@@ -78,6 +81,7 @@ impl Default for CheckOptions {
             bend: 0.0,
             samples: 16,
             sweep: true,
+            thickest: false,
             timeout: None,
         }
     }
@@ -144,6 +148,8 @@ pub struct Verdict {
     pub min_clearance: Option<f64>,
     /// Depth up to which an overlap of faces counts as contact, in median edges.
     pub contact_tolerance: f64,
+    /// How thick plates may be, if that is asked for.
+    pub thickest: Option<Thickest>,
     /// Largest speed and acceleration of a hinge.
     pub rates: Rates,
     /// Largest angle by which a panel bends about a diagonal, radians: at knots, and between as far as looked at.

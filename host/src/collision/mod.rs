@@ -44,7 +44,7 @@ pub use pieces::contact_tolerance;
 pub(crate) use routes::{Openness, Routed, SearchEffort, Searched, SearchedSheet};
 pub use scene::{CollisionScene, Crossing};
 pub(crate) use solids::thickest;
-pub use solids::{Plate, PlateError, PlateMesh, Plates, Thickest, TooThick, Trims};
+pub use solids::{Plate, PlateError, PlateMesh, Plates, SheetMesh, Thickest, TooThick, Trims};
 pub use sweep::{Clearance, Place, Sweep, SweepCounts, SweepOptions, SweepVerdict};
 pub use tolerances::CONTACT_EDGES;
 pub(crate) use tolerances::CROSSING_DEPTH_EDGES;

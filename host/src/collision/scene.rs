@@ -73,13 +73,12 @@ impl CollisionScene {
         let pieces = Pieces::new(pattern, plates);
         let mut sides = pieces.sides();
         sides.retain(|(pair, _)| pieces.keeps_back(pattern, *pair).is_none());
-        let solids = if pieces.are_solid() {
-            pieces.list.len()
-        } else {
-            0
+        let [points, solids] = match plates {
+            Some(_) => [pieces.hull_points(), pieces.list.len()],
+            None => [0; 2],
         };
         Self {
-            hulls: vec![Vector3::zeros(); if solids > 0 { pieces.hull_points() } else { 0 }],
+            hulls: vec![Vector3::zeros(); points],
             poses: vec![Pose::identity(); solids],
             folded: pieces.flat.iter().map(|p| p.push(0.0)).collect(),
             normals: vec![Vector3::z(); pieces.list.len()],
@@ -124,19 +123,20 @@ impl CollisionScene {
         let mut judge = |faces: [FaceId; 2], [a, b]: [u32; 2]| {
             // Few pairs overlap, so that few tears are measured.
             let depth = |torn| placed.depth([a, b], contact.of(pieces, [a, b], torn));
-            let depth = match depth(0.0) {
+            let mut depth = match depth(0.0) {
                 overlap if overlap > 0.0 => depth(placed.torn([a, b])),
                 _ => return,
             };
-            // Only what is certain counts.
-            let certain = match depth > 0.0 && !placed.are_exact([a, b]) {
-                true => placed.least_depth([a, b], depth),
-                false => depth,
-            };
-            if depth <= 0.0 || certain <= contact.of(pieces, [a, b], 0.0).within {
+            if depth > 0.0 && !placed.are_exact([a, b]) {
+                // Only what is certain counts.
+                let least = placed.least_depth([a, b], depth);
+                let is_deep = least > contact.of(pieces, [a, b], 0.0).largest();
+                depth = if is_deep { least } else { 0.0 };
+            }
+            if depth <= 0.0 {
                 return;
             }
-            let crossing = Crossing::new(faces, certain);
+            let crossing = Crossing::new(faces, depth);
             if deepest.is_none_or(|deepest| crossing.exceeds(&deepest)) {
                 deepest = Some(crossing);
             }

@@ -6,6 +6,8 @@
 //! that turn at constant rates separate along their edges between keys. A shape costs twelve bytes for each vertex. No
 //! normals are written: a viewer then has to shade each panel flat.
 //!
+//! Plates are closed meshes over vertices of their own, with the edges of their faces as lines.
+//!
 //! The front of the paper, its back and its edges are three primitives over the same vertices, so that each has its own
 //! colour. The sheet lies in x and y and is seen from its front, as viewers look along -z.
 //!
@@ -17,10 +19,11 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
+use super::stl::plates_of;
 use super::{Export, Made, Sink, single};
-use crate::folding::{STEP, shapes};
+use crate::folding::{STEP, shapes_with};
 use crate::motion::Motion;
-use crate::pattern::Unit;
+use crate::pattern::{FaceId, Unit, VertexId};
 use crate::read::FileError;
 
 /// Base colours: linear, opaque.
@@ -47,7 +50,12 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
     let faces = motion.pattern.faces().len();
     sink("", content(&frames, export.name)?)?;
     let frames = frames.knots.len();
-    Ok(Made::told(format!("{frames} frames, {faces} faces")))
+    let what = if motion.plates.is_some() {
+        ", as plates"
+    } else {
+        ""
+    };
+    Ok(Made::told(format!("{frames} frames, {faces} faces{what}")))
 }
 
 /// Returns the bytes of a .glb file with the shapes of a path at its knots.
@@ -56,21 +64,42 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
 /// If the file would be 4 GiB or longer, or if a coordinate does not fit single precision.
 pub fn content(motion: &Motion, file: &Path) -> Result<Vec<u8>, FileError> {
     let pattern = &motion.pattern;
-    let triangles = pattern.triangles().items().iter();
-    let front: Vec<u32> = triangles.flatten().map(|v| v.0).collect();
-    let back: Vec<u32> = front.chunks(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
-    let edges: Vec<u32> = pattern
-        .edges()
-        .iter()
-        .flat_map(|e| e.ends.map(|v| v.0))
-        .collect();
-    let [knots, points] = [motion.knots.len(), pattern.vertices().len()].map(|n| n as u64);
-    let indices = 2 * front.len() as u64 + edges.len() as u64;
+    let plates = motion.plates.map(|_| plates_of(motion, file)).transpose()?;
+    let plates = plates.map(|plates| plates.sheet_mesh(pattern));
+    let (front, back, edges): (Vec<u32>, Vec<u32>, Vec<u32>) = match &plates {
+        None => {
+            let triangles = pattern.triangles().items().iter();
+            let front: Vec<u32> = triangles.flatten().map(|v| v.0).collect();
+            let back = front.chunks(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
+            let edges = pattern.edges().iter().flat_map(|e| e.ends.map(|v| v.0));
+            (front, back, edges.collect())
+        }
+        Some(mesh) => {
+            let first = VertexId::new(pattern.vertices().len()).0;
+            let numbers = |list: &[u32]| list.iter().map(|k| first + k).collect();
+            let triangles = mesh.triangles.as_flattened();
+            (
+                numbers(triangles),
+                Vec::new(),
+                numbers(mesh.edges.as_flattened()),
+            )
+        }
+    };
+    let plates = plates.map(|mesh| mesh.vertices).unwrap_or_default();
+    let points = pattern.vertices().len() + plates.len();
+    let [knots, points] = [motion.knots.len(), points].map(|n| n as u64);
+    let indices = (front.len() + back.len() + edges.len()) as u64;
     fits(4 * (knots * (3 * points + knots) + indices), file)?;
 
     let mut buffer = Buffer::default();
-    let [front, back, edges] = [front, back, edges].map(|indices| buffer.indices(&indices));
-    let (times, positions) = buffer.shapes(motion, file)?;
+    let primitives = [(TRIANGLES, front), (TRIANGLES, back), (LINES, edges)];
+    let primitives = (0..)
+        .zip(primitives)
+        .filter(|(_, (_, indices))| !indices.is_empty());
+    let primitives: Vec<_> = primitives
+        .map(|(material, (mode, indices))| (material, (mode, buffer.indices(&indices))))
+        .collect();
+    let (times, positions) = buffer.shapes(motion, &plates, file)?;
     let (base, targets) = positions.split_first().unwrap_or((&0, &[]));
     let targets = targets.iter().map(|target| json!({"POSITION": target}));
     let targets: Vec<Value> = targets.collect();
@@ -83,7 +112,6 @@ pub fn content(motion: &Motion, file: &Path) -> Result<Vec<u8>, FileError> {
         }
         primitive
     };
-    let primitives = [(TRIANGLES, front), (TRIANGLES, back), (LINES, edges)];
     let material = |(name, colour): (&str, [f32; 4])| {
         json!({"name": name, "pbrMetallicRoughness": {
             "baseColorFactor": colour, "metallicFactor": 0.0, "roughnessFactor": 0.9,
@@ -96,7 +124,7 @@ pub fn content(motion: &Motion, file: &Path) -> Result<Vec<u8>, FileError> {
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": motion.title}],
         "materials": materials,
-        "meshes": [{"name": motion.title, "primitives": (0..).zip(primitives).map(primitive).collect::<Vec<_>>()}],
+        "meshes": [{"name": motion.title, "primitives": primitives.into_iter().map(primitive).collect::<Vec<_>>()}],
     });
     if !targets.is_empty() {
         let weights = buffer.steps(times.len());
@@ -193,11 +221,12 @@ impl Buffer {
     fn shapes(
         &mut self,
         motion: &Motion,
+        points: &[(FaceId, Vector3<f64>)],
         file: &Path,
     ) -> Result<(Vec<f32>, Vec<usize>), FileError> {
         let (mut times, mut positions): (Vec<f32>, _) = (Vec::new(), Vec::new());
-        let mut base = vec![Vector3::zeros(); motion.pattern.vertices().len()];
-        for (knot, shape) in motion.knots.iter().zip(shapes(motion)) {
+        let mut base = vec![Vector3::zeros(); motion.pattern.vertices().len() + points.len()];
+        for (knot, shape) in motion.knots.iter().zip(shapes_with(motion, points)) {
             let time = single(knot.time - motion.knots[0].time);
             // Skips a shape whose time rounds to that of the shape before, as glTF requires strictly increasing times.
             if times.last().is_some_and(|last| time <= *last) {

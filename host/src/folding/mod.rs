@@ -28,6 +28,6 @@ pub use map::{BOUND, DEFAULT_BOUND, FoldingMap, deformation};
 pub(crate) use plane::in_plane;
 pub use pose::Pose;
 pub use rounding::rounding;
-pub use shapes::{STEP, deformation_of_faces, shapes};
+pub use shapes::{STEP, deformation_of_faces, shapes, shapes_with};
 
 pub use crate::pattern::{Holonomy, Rigidity, SpanningTree, Step, Tear};

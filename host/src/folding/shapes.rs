@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::{FoldingMap, SpanningTree, fit_sheets};
 use crate::motion::Motion;
+use crate::pattern::FaceId;
 use crate::util::nan_max::largest;
 
 /// Largest turn of a hinge from one shape to the next, radians, where vertices are drawn on straight lines between
@@ -15,17 +16,33 @@ pub const STEP: f64 = 0.1;
 /// Each shape is aligned with the one before by rigid registration, the first one with the flat sheet, so that the
 /// whole stays where it is while it folds. Cost: O(faces) for each knot.
 pub fn shapes(motion: &Motion) -> impl Iterator<Item = Vec<Vector3<f64>>> {
+    shapes_with(motion, &[])
+}
+
+/// Returns the positions of the vertices as [`shapes`] does, followed by those of points in the frame of the flat sheet, each
+/// of which moves with a face.
+pub fn shapes_with<'a>(
+    motion: &'a Motion,
+    points: &'a [(FaceId, Vector3<f64>)],
+) -> impl Iterator<Item = Vec<Vector3<f64>>> + 'a {
     let pattern = &motion.pattern;
     let tree = pattern.tree();
     let flat: Vec<_> = pattern.vertices().iter().map(|v| v.push(0.0)).collect();
     (0..motion.knots.len()).scan(flat, move |before, knot| {
-        let shape = positions(motion, tree, knot);
+        let mut shape = positions(motion, tree, knot);
         let (r_ba, [from, to]) = fit_sheets(pattern, &shape, before);
-        *before = shape
-            .iter()
-            .map(|point| r_ba * (point - from) + to)
-            .collect();
-        Some(before.clone())
+        if !points.is_empty() {
+            let map = FoldingMap::new(pattern, tree, &motion.crease_angles(knot));
+            let places = points
+                .iter()
+                .map(|(face, at)| map.poses()[face.index()].carry(at));
+            shape.extend(places);
+        }
+        let laid = shape.iter().map(|point| r_ba * (point - from) + to);
+        let laid: Vec<_> = laid.collect();
+        before.clear();
+        before.extend_from_slice(&laid[..pattern.vertices().len()]);
+        Some(laid)
     })
 }
 

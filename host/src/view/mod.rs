@@ -58,6 +58,8 @@ pub struct Scene {
     /// The pair of faces that comes nearest to each other, or that passes through each other; its distance is over the
     /// median edge.
     pub worst_pair: Option<WorstPair>,
+    /// The plates, if the panels are plates.
+    pub plates: Option<ScenePlates>,
     /// The planner's answer to a path that does not do all that was asked; `None` if it does, or the file has no answer.
     pub shortfall: Option<SceneShortfall>,
     /// Numbers of the knots at which another phase of the motion begins.
@@ -110,6 +112,35 @@ pub struct SceneShape {
     pub clearance: Option<f64>,
 }
 
+/// The plates of a path at some thicknesses, between which their corners move on straight lines.
+#[derive(Clone, Debug, Serialize)]
+pub struct ScenePlates {
+    /// Thickness that the file names, units of the sheet.
+    pub thickness: f64,
+    /// Name of the unit of the sheet; empty if there is none.
+    pub unit: &'static str,
+    /// Thicknesses of the forms in `points`, in increasing order; the first is next to nothing.
+    pub thicknesses: Vec<f64>,
+    /// For each thickness the places of all points in the frame of the flat sheet.
+    #[serde(serialize_with = "rounded_lists")]
+    pub points: Vec<Vec<[f64; 3]>>,
+    /// For each point a face that it moves with.
+    pub faces: Vec<FaceId>,
+    /// The points of each triangle, counter-clockwise seen from outside.
+    #[serde(serialize_with = "flat")]
+    pub triangles: Vec<[u32; 3]>,
+    /// For each plate the number of its triangles and of those before, and for each face the number of its plate.
+    pub ends: Vec<usize>,
+    /// See `ends`.
+    pub of_face: Vec<usize>,
+    /// Thickness up to which plates are proved to be free of crossings, and one at which they are not, if any is known.
+    pub proved: f64,
+    /// See `proved`.
+    pub refuted: Option<f64>,
+    /// What is proved, and what is in the way of thicker plates.
+    pub told: String,
+}
+
 /// The answer to a path that falls short of its goal, and the causes that are known.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneShortfall {
@@ -160,6 +191,18 @@ fn rounded<S: Serializer, const N: usize>(list: &[[f64; N]], to: S) -> Result<S:
     to.collect_seq(list.as_flattened().iter().map(|&x| x as f32))
 }
 
+/// Writes lists of tuples as [`rounded`] does, one list each.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+fn rounded_lists<S: Serializer, const N: usize>(
+    lists: &[Vec<[f64; N]>],
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    let list = |list: &Vec<[f64; N]>| -> Vec<f32> {
+        list.as_flattened().iter().map(|&x| x as f32).collect()
+    };
+    to.collect_seq(lists.iter().map(list))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,6 +235,7 @@ mod tests {
                 clearance: None,
             }],
             worst_pair: None,
+            plates: None,
             shortfall: None,
             phases: vec![],
             creases: 0,

@@ -3,14 +3,21 @@
 use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::{Scene, SceneCause, SceneMotion, SceneShape, SceneShortfall};
-use crate::check::{MergedGroups, WorstPair, clearances_until_over, differing_hinge, measure};
+use super::{Scene, SceneCause, SceneMotion, ScenePlates, SceneShape, SceneShortfall};
+use crate::check::{
+    self, CheckOptions, MergedGroups, WorstPair, check_until_over, clearances_until_over,
+    differing_hinge, measure,
+};
+use crate::collision::{Plates, SheetMesh, Trims};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
-use crate::pattern::{CreasePattern, EdgeId, FaceId};
-use crate::planner::{Cause, Outcome, forecast};
+use crate::pattern::{CreasePattern, EdgeId, FaceId, Unit};
+use crate::planner::{Cause, Note, Outcome, forecast};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::CreaseGroups;
+
+/// Least thickness that is drawn, and difference of thicknesses that counts, over the thickness of a path.
+const NEXT_TO_NOTHING: f64 = 1e-6;
 
 impl Scene {
     /// Computes the scene of a path: its motion, and errors measured afresh instead of those that the file claims.
@@ -71,6 +78,7 @@ impl Scene {
                 distance: over_edge(pair.distance),
                 ..pair
             }),
+            plates: plates(path, watch),
             shortfall: shortfall(path, watch),
             phases: path.phases.clone(),
             creases: pattern.creases().len(),
@@ -99,6 +107,55 @@ fn members(path: &Motion) -> Vec<Option<Membership>> {
     let groups = MergedGroups::of(path).groups;
     let edges = pattern.edges().iter();
     edges.map(|edge| Some(groups.of(edge.crease?))).collect()
+}
+
+/// Returns the plates of a path, if its panels are plates that can be made, with what is proved of other thicknesses.
+fn plates(path: &Motion, watch: Watch<'_>) -> Option<ScenePlates> {
+    let options = path.plates?;
+    let pattern = &path.pattern;
+    let trims = Trims::of(path, &options);
+    let made = |thickness: f64| {
+        let options = options.with(|it| it.thickness = thickness);
+        Plates::new(pattern, &trims, &options).ok()
+    };
+    let asked = CheckOptions::default().with(|it| it.thickest = true);
+    let verdict = check_until_over(path, &asked, watch);
+    // Plates are looked at only where the sheet itself holds.
+    let found = (verdict.thickest).filter(|_| verdict.outcome() == check::Outcome::Holds);
+    let proved = found.map_or(0.0, |found| found.proved);
+    let mut thicknesses = vec![NEXT_TO_NOTHING * options.thickness, options.thickness];
+    if proved > (1.0 + NEXT_TO_NOTHING) * options.thickness {
+        thicknesses.push(proved);
+    }
+    let meshes: Option<Vec<SheetMesh>> = thicknesses
+        .iter()
+        .map(|&thickness| Some(made(thickness)?.sheet_mesh(pattern)))
+        .collect();
+    let meshes = meshes?;
+    let of_face = made(options.thickness)?.of_face;
+    let points = |mesh: &SheetMesh| mesh.vertices.iter().map(|(_, at)| (*at).into()).collect();
+    let SheetMesh {
+        vertices,
+        triangles,
+        ends,
+        ..
+    } = meshes.first()?.clone();
+    Some(ScenePlates {
+        thickness: options.thickness,
+        unit: pattern.unit().map_or("", Unit::name),
+        points: meshes.iter().map(points).collect(),
+        thicknesses,
+        faces: vertices.into_iter().map(|(face, _)| face).collect(),
+        triangles,
+        ends,
+        of_face,
+        proved,
+        refuted: found.and_then(|found| Some(found.refuted?.0)),
+        told: found.map_or_else(
+            || "the path is not proved, so that nothing is known of other thicknesses".into(),
+            |found| Note::Thickest(found).to_string(),
+        ),
+    })
 }
 
 /// Returns what the path leaves undone, if the planner said so.

@@ -47,6 +47,7 @@ const ORDER: [&str; 55] = [
     "lifting/whole_sheet",
     "strategies/arrival",
     "strategies/simple_folds",
+    "strategies/plates",
     "strategies/pipeline",
     "strategies/rows",
     "strategies/stops",
@@ -58,7 +59,6 @@ const ORDER: [&str; 55] = [
     "strategies/bending",
     "strategies/lines",
     "strategies/advice",
-    "strategies/plates",
     "strategies/driver",
 ];
 

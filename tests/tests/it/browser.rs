@@ -6,9 +6,12 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use foldpath::check::check;
+use foldpath::collision::{Plates, Trims};
+use foldpath::folding::FoldingMap;
 use foldpath::generate::{Letters, Miura, SquareTwist};
+use foldpath::motion::PlateOptions;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::planner::{Goal, PlanOptions, PlateRequest, plan};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
 use foldpath::read::parse_pattern;
@@ -568,6 +571,63 @@ fn phases_have_buttons_that_go_there() {
         readout.contains(&format!("{} of {knots}", knot + 1)),
         "{readout}"
     );
+    view.assert_quiet();
+}
+
+/// Plates are drawn where the library has them, and the page says of each thickness what is proved.
+#[test]
+fn plates_have_a_slider_that_tells_what_is_proved() {
+    let file = miura(3, 0.8);
+    let plates = PlateRequest::given(PlateOptions::of_thickness(0.2));
+    let options = PlanOptions::default().with(|it| it.plates = Some(plates));
+    let planned = Planned::of(file, &options);
+    let motion = path_file(&planned.text()).unwrap();
+    let view = View::open(&Scene::of_path(&motion), &[]);
+    assert!(
+        view.text("#plates")
+            .contains("proved to fold: plates up to")
+    );
+    view.run("foldpath.setPosition(1)");
+    let drawn = view.drawn();
+
+    let options = motion.plates.unwrap();
+    let plates = Plates::new(&motion.pattern, &Trims::of(&motion, &options), &options).unwrap();
+    let angles = motion.crease_angles(motion.knots.len() - 1);
+    let map = FoldingMap::new(&motion.pattern, motion.pattern.tree(), &angles);
+    let mesh = plates.sheet_mesh(&motion.pattern);
+    let expected = mesh.vertices.iter();
+    let expected: Vec<_> = expected
+        .map(|(face, at)| map.poses()[face.index()].carry(at))
+        .collect();
+    let numbers = |list: &str| -> Vec<Vector3<f64>> {
+        let list = view.run(&format!("JSON.stringify(Array.from({list}))"));
+        let list: Vec<f64> = serde_json::from_str(list.as_str().unwrap()).unwrap();
+        list.chunks(3).map(Vector3::from_column_slice).collect()
+    };
+    let found = numbers("foldedPlates");
+    assert_eq!(found.len(), expected.len());
+    // The page lays the sheet elsewhere: distances from the vertices tell.
+    for (vertex, place) in numbers("folded").into_iter().zip(map.vertices()) {
+        for (found, expected) in found.iter().zip(&expected) {
+            let [found, expected] = [(found - vertex).norm(), (expected - place).norm()];
+            assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+        }
+    }
+
+    let slide = |to: &str| {
+        view.run(&format!(
+            "(slider => {{ slider.value = {to}; slider.dispatchEvent(new Event('input')); }})(document.querySelector('#plates input'))"
+        ));
+    };
+    slide("slider.max");
+    assert!(view.text("#plates").contains("too thick: plates up to"));
+    assert_ne!(view.drawn(), drawn);
+    slide("0");
+    assert!(view.text("#plates").contains("paper: plates up to"));
+    let thin = Planned::of(miura(3, 0.8), &PlanOptions::default());
+    let paper = View::open(&scene(&thin), &[]);
+    paper.run("foldpath.setPosition(1)");
+    assert_eq!(paper.run("element('plates').hidden"), json!(true));
     view.assert_quiet();
 }
 

@@ -104,5 +104,5 @@ fn the_carton_is_as_its_commands_print_and_draw_it() {
 
 #[test]
 fn the_plates_are_as_their_commands_print_and_draw_them() {
-    runs_as_it_says("plates", &[]);
+    runs_as_it_says("plates", &["board.svg"]);
 }

@@ -3,6 +3,7 @@
 use std::fs;
 
 use crate::common::{PATTERNS, folder, folder_with_path};
+use foldpath::collision::{Plates, Trims};
 use foldpath::folding::{Dihedral, deformation};
 use foldpath::motion::Motion;
 use foldpath::pattern::Letter;
@@ -180,6 +181,50 @@ fn a_glb_is_valid_and_plays_the_path() {
         }
         let end = f64::from(*times.last().unwrap());
         assert!((end - path.knots.last().unwrap().time).abs() < 1e-5);
+    }
+}
+
+/// Plates are closed solids that keep their volume in every shape.
+#[test]
+fn a_glb_of_plates_has_their_volume() {
+    let folder = folder_with_path();
+    folder.done("plan miura.fold --thickness 0.1 -o plates.fold");
+    folder.done("export plates.fold --to glb -o a.glb --frames 5");
+    let path = read_motion(&folder.path("plates.fold")).unwrap();
+    let options = path.plates.unwrap();
+    let plates = Plates::new(&path.pattern, &Trims::of(&path, &options), &options).unwrap();
+    let volumes = (0..plates.list.len()).map(|plate| plates.mesh(plate).volume());
+    let expected: f64 = volumes.sum();
+
+    let bytes = fs::read(folder.path("a.glb")).unwrap();
+    let glb = gltf::Gltf::from_slice(&bytes).unwrap();
+    let data = glb.blob.as_deref().unwrap();
+    let mesh = glb.meshes().next().unwrap();
+    let primitives: Vec<_> = mesh.primitives().collect();
+    let modes: Vec<Mode> = primitives.iter().map(gltf::Primitive::mode).collect();
+    assert_eq!(modes, [Mode::Triangles, Mode::Lines]);
+    let reader = primitives[0].reader(|_| Some(data));
+    let corners: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+    let places = |positions: &mut dyn Iterator<Item = [f32; 3]>| -> Vec<Vector3<f64>> {
+        positions.map(|p| Vector3::from(p.map(f64::from))).collect()
+    };
+    let base = places(&mut reader.read_positions().unwrap());
+    let mut shapes = vec![base.clone()];
+    for (moves, ..) in reader.read_morph_targets() {
+        let moves = places(&mut moves.unwrap());
+        shapes.push(base.iter().zip(moves).map(|(at, way)| at + way).collect());
+    }
+    assert_eq!(shapes.len(), 5);
+    for shape in shapes {
+        let corner = |k: u32| shape[k as usize];
+        let triangles = corners
+            .chunks(3)
+            .map(|t| [corner(t[0]), corner(t[1]), corner(t[2])]);
+        let volume: f64 = triangles.map(|[a, b, c]| a.cross(&b).dot(&c) / 6.0).sum();
+        assert!(
+            (volume - expected).abs() < 1e-5 * expected,
+            "{volume} {expected}"
+        );
     }
 }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{Plates, without_repeats};
-use crate::pattern::{CreasePattern, triangulate};
+use super::{Plate, Plates, without_repeats};
+use crate::pattern::{CreasePattern, FaceId, VertexId, triangulate};
 
 /// A closed mesh in the frame of the flat sheet, whose triangles are counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,31 @@ impl PlateMesh {
     }
 }
 
+/// All plates of a sheet as closed meshes, whose triangles hang on the forms of the panels and not on the thickness.
+#[derive(Clone, Debug, Default)]
+pub struct SheetMesh {
+    /// Positions of the vertices in the frame of the flat sheet, each with a face that it moves with.
+    pub vertices: Vec<(FaceId, Vector3<f64>)>,
+    /// The vertices of each triangle, counter-clockwise seen from outside. Some have no area.
+    pub triangles: Vec<[u32; 3]>,
+    /// The edges of the lower and the upper faces of the plates.
+    pub edges: Vec<[u32; 2]>,
+    /// For each plate the number of triangles up to its end.
+    pub ends: Vec<usize>,
+}
+
 impl Plates {
+    /// Returns the meshes of all plates.
+    #[must_use]
+    pub fn sheet_mesh(&self, pattern: &CreasePattern) -> SheetMesh {
+        let mut mesh = SheetMesh::default();
+        for plate in &self.list {
+            mesh.add(self, plate, pattern);
+            mesh.ends.push(mesh.triangles.len());
+        }
+        mesh
+    }
+
     /// Returns the mesh of the plate of this number in the [`list`](Self::list).
     #[must_use]
     pub fn mesh(&self, plate: usize) -> PlateMesh {
@@ -71,6 +95,61 @@ impl Plates {
             PlateMesh::between(rings.collect::<Vec<_>>())
         });
         parts.collect()
+    }
+}
+
+impl SheetMesh {
+    fn add(&mut self, plates: &Plates, plate: &Plate, pattern: &CreasePattern) {
+        let face = plate.faces[0];
+        // A corner that is cut off has two columns of vertices.
+        let columns = plate.corners.iter().enumerate().flat_map(|(k, corner)| {
+            let is_cut = plates.trims.cut(face, *corner).iter().any(|cut| *cut > 0.0);
+            [0, 1]
+                .into_iter()
+                .skip(usize::from(!is_cut))
+                .map(move |side| (k, side))
+        });
+        let columns: Vec<(usize, usize)> = columns.collect();
+        let (first, count) = (self.vertices.len(), columns.len());
+        let number = |layer: usize, column: usize| VertexId::new(first + layer * count + column).0;
+        for (outline, height) in plate.outlines.iter().zip(&plates.heights) {
+            let ring = columns
+                .iter()
+                .map(|&(k, side)| (face, outline[k][side].push(*height)));
+            self.vertices.extend(ring);
+        }
+        let top = plates.heights.len() - 1;
+        for column in 0..count {
+            let next = (column + 1) % count;
+            for layer in 0..top {
+                let [a, b] = [column, next].map(|it| number(layer, it));
+                let [d, c] = [column, next].map(|it| number(layer + 1, it));
+                self.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+            self.edges
+                .extend([0, top].map(|layer| [column, next].map(|it| number(layer, it))));
+        }
+        // The last column of each corner.
+        let lasts =
+            (0..count).filter(|&k| columns[(k + 1) % count].0 != columns[k].0 || count == 1);
+        let lasts: Vec<usize> = lasts.collect();
+        let places = plate
+            .corners
+            .iter()
+            .map(|corner| pattern.vertices()[corner.index()]);
+        let whole = triangulate(&places.collect::<Vec<_>>()).unwrap_or_default();
+        let whole = whole.into_iter().map(|corners| corners.map(|k| lasts[k]));
+        let cut = lasts.iter().enumerate().filter_map(|(k, &last)| {
+            let before = lasts[(k + lasts.len() - 1) % lasts.len()];
+            let is_cut = last > 0 && columns[last - 1].0 == columns[last].0;
+            is_cut.then(|| [before, last - 1, last])
+        });
+        for [a, b, c] in whole.chain(cut) {
+            self.triangles
+                .push([c, b, a].map(|column| number(0, column)));
+            self.triangles
+                .push([a, b, c].map(|column| number(top, column)));
+        }
     }
 }
 

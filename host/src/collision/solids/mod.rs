@@ -15,7 +15,7 @@ pub(super) mod solid;
 mod thickest;
 mod trims;
 
-pub use mesh::PlateMesh;
+pub use mesh::{PlateMesh, SheetMesh};
 pub(crate) use thickest::thickest;
 pub use thickest::{Thickest, TooThick};
 pub use trims::Trims;

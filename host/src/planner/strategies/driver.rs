@@ -14,7 +14,7 @@ use super::rows::{Context, Row, StartsFrom, is_no, try_rows};
 use super::split_phases::{fold_in_split_phases, splits_phases};
 use super::stops::try_phases;
 use super::way_round::lead_round_crossings;
-use crate::collision::{Crossing, contact_tolerance};
+use crate::collision::{Crossing, Plates, contact_tolerance};
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
@@ -24,11 +24,12 @@ use crate::planner::lifting::certified_motion::CERTIFIED_DEFORMATION;
 use crate::planner::plan::{Attempt, FoldOrder, Outcome, Plan, Strategy};
 use crate::planner::problem::{ErrorModel, PlanningProblem, StageTimes};
 use crate::planner::reason::{GroupsDropped, Note, Reason, TimeoutAt};
-use crate::planner::{Goal, GoalKind, PlanOptions, Search, Symmetry};
+use crate::planner::{Goal, GoalKind, PlanOptions, PlateRequest, Search, Symmetry};
 use crate::progress::{Progress, Stage, Watch};
 use crate::straighten::straightened;
 use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
+use crate::util::nan_max::diagonal;
 
 /// Largest number of creases of a sheet that is planned once more without its crease groups to prove a smaller
 /// deformation.
@@ -39,6 +40,10 @@ const MANY_CREASES: usize = 2000;
 
 /// Bound on deformation and gap within which plates are planned at first.
 const PLATE_BOUND: f64 = 1e-6;
+
+/// Number of halvings in the search for plates as thick as they can be at the goal, and part of that thickness that is tried.
+const THICKNESS_HALVINGS: u32 = 10;
+const NEARLY: f64 = 0.995;
 
 /// The row that the others change.
 const BASE: Row = Row {
@@ -510,18 +515,29 @@ fn plan_until(
 }
 
 /// Looks for phases in which plates do not pass through each other that do so on the motion of the thin sheet, if each hinge
-/// turns freely.
+/// turns freely. If the largest thickness is asked for, they have to be nearly as thick as the goal allows.
 fn fold_plates_in_phases(context: &Context<'_>, best: &mut Plan, attempts: &mut Vec<Attempt>) {
     let asked = context.problem;
-    let crosses = matches!(best.reason, Some(Reason::PlatesCross { .. }));
-    if !crosses || asked.options.search != Search::Auto || !turns_freely(asked.pattern) {
-        return;
-    }
-    let Some(plates) = plates_asked_for(asked).map(Arc::new) else {
+    let is_max = best.max_thickness.is_some();
+    let Some(crosses_at) = best.plates_cross_at() else {
         return;
     };
+    if asked.options.search != Search::Auto || !turns_freely(asked.pattern) {
+        return;
+    }
+    let plates = if is_max {
+        thickest_at_goal(asked, crosses_at)
+    } else {
+        plates_asked_for(asked, crosses_at)
+    };
+    let Some(plates) = plates.map(Arc::new) else {
+        return;
+    };
+    let options = asked.options.clone();
+    let options = options.with(|it| it.plates = Some(PlateRequest::given(plates.options)));
     let problem = PlanningProblem {
         plates: Some(&plates),
+        options: &options,
         ..*asked
     };
     if let Some(Crossing { faces, depth }) = goal_crossing(&problem, asked.pattern) {
@@ -541,12 +557,45 @@ fn fold_plates_in_phases(context: &Context<'_>, best: &mut Plan, attempts: &mut 
         try_rows(StartsFrom::Problem, &context, Plan::default(), attempts)
     });
     plan.effort += core::mem::take(&mut best.effort);
-    if plan.outcome == Outcome::Planned {
+    if plan.outcome == Outcome::Planned && is_max {
+        judge_plates(asked, &mut plan);
+    }
+    let proved = |plan: &Plan| plan.max_thickness.map_or(0.0, |[proved, _]| proved);
+    if plan.outcome == Outcome::Planned && (!is_max || proved(&plan) > proved(best)) {
         list_own_order(asked, &mut plan);
         *best = plan;
     } else {
         best.effort = plan.effort;
     }
+}
+
+/// Returns plates nearly as thick as they can be at the goal, if they are thicker than those that are refuted on the way.
+fn thickest_at_goal(asked: &PlanningProblem<'_>, refuted: f64) -> Option<Plates> {
+    let is_free = |thickness: f64| {
+        let plates = plates_asked_for(asked, thickness).map(Arc::new);
+        plates.is_some_and(|plates| {
+            let problem = PlanningProblem {
+                plates: Some(&plates),
+                ..*asked
+            };
+            goal_crossing(&problem, asked.pattern).is_none()
+        })
+    };
+    let most = diagonal(asked.pattern.vertices());
+    let [mut low, mut high] = [refuted; 2];
+    while high < most && is_free(high) {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..THICKNESS_HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if is_free(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let thickness = NEARLY * low;
+    (thickness > refuted).then(|| plates_asked_for(asked, thickness))?
 }
 
 /// Lists the order of the motion, if orders are asked for, the plan has none yet, and each hinge turns freely.

@@ -48,8 +48,9 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
         let cut = judge.judge(request.plates.with(|it| it.cuts_corners = true));
         if cut.is_better(&whole) { cut } else { whole }
     });
-    if judged.corners_cut > 0 {
-        best.notes.push(Note::CornersCut(judged.corners_cut));
+    let corners_cut = Note::CornersCut(judged.corners_cut);
+    if judged.corners_cut > 0 && !best.notes.contains(&corners_cut) {
+        best.notes.push(corners_cut);
     }
     if let Answer::Thickest(found) = judged.answer {
         best.notes.push(Note::Thickest(found));
@@ -83,17 +84,15 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
     }
 }
 
-/// Returns the plates of the thickness that is asked for, with corners cut off where the goal asks for it, for motions on which no
-/// hinge turns past its goal; `None` if no thickness is asked for, or the plates cannot be made.
-pub(super) fn plates_asked_for(asked: &PlanningProblem<'_>) -> Option<Plates> {
-    let request = asked.options.plates.as_ref()?;
-    if request.thickness == Thickness::Max {
-        return None;
-    }
+/// Returns plates of this thickness as asked for, with corners cut off where the goal asks for it, for motions on which no hinge
+/// turns past its goal; `None` if no plates are asked for, or they cannot be made.
+pub(super) fn plates_asked_for(asked: &PlanningProblem<'_>, thickness: f64) -> Option<Plates> {
+    let plates = asked.options.plates.as_ref()?.plates;
+    let plates = plates.with(|it| it.thickness = thickness);
     let angles = asked.goal.fold_angles.iter();
     let angles = angles.map(|angle| angle.unwrap_or(0.0)).collect();
-    let trims = Trims::until(asked.pattern, angles, &request.plates);
-    Plates::new(asked.pattern, &trims, &request.plates).ok()
+    let trims = Trims::until(asked.pattern, angles, &plates);
+    Plates::new(asked.pattern, &trims, &plates).ok()
 }
 
 /// Knowledge of plates.

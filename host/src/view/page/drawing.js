@@ -71,7 +71,7 @@ const STRAIN = [-9, -2];
 const STANDS_OUT = 3;
 
 /** `cause` is the number of the cause whose edges are lit, or -1. */
-const view = { colours: "letters", selected: -1, pair: true, worstEdge: -1, cause: scene.shortfall?.causes.length ? 0 : -1 };
+const view = { thickness: plates?.thickness ?? 0, colours: "letters", selected: -1, pair: true, worstEdge: -1, cause: scene.shortfall?.causes.length ? 0 : -1 };
 const groupOf = edge => Math.abs(scene.turns[edge]) - 1;
 const lineStyles = new Uint8Array(4 * edges); // red, green, blue, width in sixteenths of a pixel
 
@@ -193,20 +193,27 @@ function renderer(canvas) {
   const faceProgram = program(gl, FACE_VERTEX, FACE_PIXEL);
   const lineProgram = program(gl, LINE_VERTEX, LINE_PIXEL);
 
-  const width = Math.min(1024, vertices), height = Math.ceil(vertices / width);
+  const places = vertices + platePoints, width = Math.min(1024, places), height = Math.ceil(places / width);
   const texels = new Float32Array(3 * width * height);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGB32F, width, height);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
 
-  const faceArray = gl.createVertexArray(), corners = scene.faces.flat(2);
+  const faceArray = gl.createVertexArray(), faceCorners = scene.faces.flat(2);
+  const corners = faceCorners.concat(plates ? plates.triangles.map(point => vertices + point) : []);
   gl.bindVertexArray(faceArray);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(corners), gl.STATIC_DRAW);
   /** Index of each face's first corner in `corners`. */
   const begins = [0];
   for (const face of scene.faces) begins.push(begins.at(-1) + 3 * face.length);
+  /** First corner and number of corners of what is drawn of a face: of its plate, if plates are drawn. */
+  const partOf = face => {
+    if (!view.thickness) return [begins[face], begins[face + 1] - begins[face]];
+    const plate = plates.of_face[face], [from, to] = [plates.ends[plate - 1] ?? 0, plates.ends[plate]];
+    return [faceCorners.length + 3 * from, 3 * (to - from)];
+  };
 
   const lineArray = gl.createVertexArray();
   gl.bindVertexArray(lineArray);
@@ -244,6 +251,10 @@ function renderer(canvas) {
     foldAt(timeNow());
     const matrix = projection(aspect);
     texels.set(folded);
+    if (view.thickness) {
+      foldPlates();
+      texels.set(foldedPlates, 3 * vertices);
+    }
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGB, gl.FLOAT, texels);
     if (!painted || CHANGING.includes(view.colours)) {
       paintLines();
@@ -264,10 +275,12 @@ function renderer(canvas) {
     // Faces are pushed back by their change of depth across half the width of a line, so that lines lie on them.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5 * devicePixelRatio, 4);
-    drawFaces(rgb("--front"), rgb("--back"), 0, corners.length);
+    // Of a plate only the outside is seen.
+    if (view.thickness) drawFaces(rgb("--front"), rgb("--front"), faceCorners.length, corners.length - faceCorners.length);
+    else drawFaces(rgb("--front"), rgb("--back"), 0, faceCorners.length);
     if (view.pair && scene.worst_pair) {
       const colour = rgb(scene.worst_pair.crosses ? "--crossing" : "--nearest");
-      for (const face of scene.worst_pair.faces) drawFaces(colour, colour, begins[face], begins[face + 1] - begins[face]);
+      for (const face of scene.worst_pair.faces) drawFaces(colour, colour, ...partOf(face));
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
 

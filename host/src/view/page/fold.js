@@ -147,6 +147,32 @@ function foldAt(time) {
   }
 }
 
+// ---- Plates: their points at a thickness, in the frame of the flat sheet, and in space.
+
+const { plates } = scene;
+const platePoints = plates ? plates.faces.length : 0;
+const flatPlates = new Float64Array(3 * platePoints), foldedPlates = new Float64Array(3 * platePoints);
+
+/** Sets the thickness of the plates. Beyond the thickest form that is known, points move on as up to it. */
+function setPlates(thickness) {
+  const known = plates.thicknesses, above = known.findIndex(it => it >= thickness);
+  const high = above < 0 ? known.length - 1 : Math.max(1, above);
+  const part = (thickness - known[high - 1]) / (known[high] - known[high - 1]), [from, to] = [plates.points[high - 1], plates.points[high]];
+  for (let i = 0; i < flatPlates.length; i++) flatPlates[i] = from[i] + part * (to[i] - from[i]);
+}
+
+/** Places the points of the plates on the folded sheet. */
+function foldPlates() {
+  for (let p = 0; p < platePoints; p++) {
+    const face = plates.faces[p], f = 9 * face, [x, y, z] = [flatPlates[3 * p], flatPlates[3 * p + 1], flatPlates[3 * p + 2]];
+    for (let axis = 0; axis < 3; axis++) {
+      const [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
+      const normal = frames[f + j] * frames[f + 3 + k] - frames[f + k] * frames[f + 3 + j];
+      foldedPlates[3 * p + axis] = at(face, x, y, axis) + z * normal;
+    }
+  }
+}
+
 // ---- Lengths of the edges, which rigid faces keep.
 
 const flatLengths = Float64Array.from({ length: edges }, (_, e) => {
@@ -187,4 +213,7 @@ shapes.forEach(shape => {
   }
   middles.push([x, y, z]);
 });
+const thickest = plates ? Math.max(plates.refuted ?? plates.proved, plates.thickness) : 0;
+radius += thickest;
+reaches.forEach((reach, axis) => { reaches[axis] = reach + thickest / 2; });
 radius ||= 1;

@@ -61,6 +61,28 @@ function writePair() {
   box.querySelector("input").addEventListener("change", event => { view.pair = event.target.checked; redraw(); });
 }
 
+/** Writes the slider of the thickness, and what is proved of plates so thick. */
+function writePlates() {
+  const box = element("plates");
+  box.hidden = !plates || !picture;
+  if (box.hidden) return;
+  const [slider, shown, told] = ["input", "output", "p"].map(name => box.querySelector(name));
+  const set = thickness => {
+    view.thickness = thickness;
+    if (thickness > 0) setPlates(thickness);
+    shown.textContent = `${thickness.toPrecision(4)} ${plates.unit}`;
+    const isRefuted = plates.refuted !== null && thickness >= plates.refuted;
+    const verdict = thickness === 0 ? "paper" : thickness <= plates.proved ? "proved to fold" : isRefuted ? "too thick" : "not known";
+    told.textContent = `${verdict}: ${plates.told}`;
+    box.classList.toggle("no", thickness > plates.proved);
+    redraw();
+  };
+  slider.max = 1.02 * thickest;
+  slider.value = plates.thickness;
+  slider.addEventListener("input", () => set(+slider.value));
+  set(plates.thickness);
+}
+
 /** Writes what the path leaves undone, with a button for each cause that lights its edges. */
 function writeShortfall() {
   const shortfall = scene.shortfall, box = element("shortfall");
@@ -312,6 +334,7 @@ writeHeader();
 writePair();
 writeShortfall();
 picture = renderer(canvas);
+writePlates();
 if (!picture) {
   for (const part of ["lines", "colours", "save"]) element(part).hidden = true;
   say("This browser does not offer WebGL 2, which drawing the sheet needs. The curves are complete.");
