@@ -28,13 +28,13 @@ pub use knots::measure;
 pub(crate) use merged_groups::MergedGroups;
 
 use core::time::Duration;
-use std::time::Instant;
 
 use crate::collision::{Crossing, SearchedSheet, Thickest};
 use crate::folding::{DEFAULT_BOUND, Rigidity};
 use crate::motion::Motion;
 use crate::pattern::VertexId;
 use crate::progress::{Progress, Stage, Watch};
+use crate::util::clock::Instant;
 
 /// Options of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]

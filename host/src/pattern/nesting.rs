@@ -12,7 +12,7 @@ use crate::util::progress::Watch;
 use crate::util::union_find::UnionFind;
 
 /// Largest number of entries of the list of edges that may be moved as edges come and go: some seconds of copying.
-const MAX_MOVED: usize = 1 << 35;
+const MAX_MOVED: u64 = 1 << 35;
 
 /// Number of vertices between two looks at the clock.
 const VERTICES_BETWEEN_LOOKS: usize = 1 << 12;
@@ -80,7 +80,7 @@ pub(super) fn components(
         y: points[vertex].y,
     };
     let mut met: Vec<usize> = Vec::new();
-    let mut moved = 0;
+    let mut moved: u64 = 0;
     let mut next = components.iter_mut().peekable();
     for (index, &vertex) in order.iter().enumerate() {
         let is_below = |&edge: &usize| {
@@ -101,7 +101,7 @@ pub(super) fn components(
         let starting = stars[vertex].iter().map(|edge| edge.index());
         let starting = starting.filter(|&edge| ends(edge)[0] == vertex);
         met.splice(from..from + ending, starting);
-        moved += met.len() - from.min(met.len());
+        moved += (met.len() - from.min(met.len())) as u64;
         if index % VERTICES_BETWEEN_LOOKS == 0 && watch.is_over() {
             return Err(PatternError::Cancelled);
         }

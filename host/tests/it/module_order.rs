@@ -104,3 +104,13 @@ fn an_arrow_upwards_is_found() {
     assert!(named(text).iter().eq(expected), "{:?}", named(text));
     assert!(layer("read") > layer("pattern") && layer("reed").is_none());
 }
+
+/// The clock of `std` stops a program in a browser, so that all times are taken from `util::clock`.
+#[test]
+fn one_module_knows_the_clock() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&folder, &mut files);
+    files.retain(|file| fs::read_to_string(file).unwrap().contains("std::time::"));
+    assert_eq!(files, [folder.join("util/clock.rs")]);
+}

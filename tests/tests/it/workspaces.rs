@@ -100,7 +100,7 @@ fn profiles_are_those_of_the_main_workspace() {
 fn versions_are_those_of_the_main_workspace() {
     let root = read("", "Cargo.lock");
     let root = packages(&root);
-    assert!(root.contains(&("foldpath-core", "0.1.0")));
+    assert!(root.contains(&("foldpath-core", env!("CARGO_PKG_VERSION"))));
     for folder in OWN {
         let own = read(folder, "Cargo.lock");
         for (name, version) in packages(&own) {

@@ -103,6 +103,11 @@ fn the_carton_is_as_its_commands_print_and_draw_it() {
 }
 
 #[test]
+fn the_tutorial_is_as_its_commands_print_and_draw_it() {
+    runs_as_it_says("tutorial", &["map.svg"]);
+}
+
+#[test]
 fn the_plates_are_as_their_commands_print_and_draw_them() {
     runs_as_it_says("plates", &["board.svg"]);
 }

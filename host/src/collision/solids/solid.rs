@@ -412,37 +412,59 @@ impl PlacedSolid<'_> {
 
 /// Returns a lower bound of the angle (radians) between two convex cones, each spanned by unit directions. If they overlap,
 /// returns the negative sine of an angle by which a plane between them would have to be passed.
-pub(super) fn cone_separation(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+fn cone_separation(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    cone_separation_up_to(a, b, &mut Vector3::zeros(), f64::INFINITY)
+}
+
+/// Returns a lower bound as [`cone_separation`] does, which may be less as soon as it is above `enough`. The first plane that is
+/// tried has the normal `last`, and the last one that is tried leaves its normal there.
+pub(super) fn cone_separation_up_to(
+    a: &[Vector3<f64>],
+    b: &[Vector3<f64>],
+    last: &mut Vector3<f64>,
+    enough: f64,
+) -> f64 {
     let mut best = f64::NEG_INFINITY;
-    let mut along = |normal: Vector3<f64>| {
+    let known = *last;
+    let mut is_enough = |normal: Vector3<f64>| {
         let size = normal.norm();
-        if size <= SAME_SINE {
-            return;
+        if size > SAME_SINE {
+            let normal = normal / size;
+            *last = normal;
+            let ([low, high], [other_low, other_high]) = (extent(a, &normal), extent(b, &normal));
+            for (near, far) in [(low, -other_high), (-high, other_low)] {
+                let separation = if near >= 0.0 && far >= 0.0 {
+                    near.min(1.0).asin() + far.min(1.0).asin()
+                } else {
+                    near.min(far)
+                };
+                best = best.max(separation);
+            }
         }
-        let normal = normal / size;
-        let ([low, high], [other_low, other_high]) = (extent(a, &normal), extent(b, &normal));
-        for (near, far) in [(low, -other_high), (-high, other_low)] {
-            let separation = if near >= 0.0 && far >= 0.0 {
-                near.min(1.0).asin() + far.min(1.0).asin()
-            } else {
-                near.min(far)
-            };
-            best = best.max(separation);
-        }
+        best > enough
     };
-    for cone in [a, b] {
-        for (k, first) in cone.iter().enumerate() {
+    // Half way between the middles of the cones is often enough.
+    let middles =
+        a.iter().sum::<Vector3<f64>>() / count(a) - b.iter().sum::<Vector3<f64>>() / count(b);
+    let within = |cone: &[Vector3<f64>], is_enough: &mut dyn FnMut(Vector3<f64>) -> bool| {
+        let mut firsts = cone.iter().enumerate();
+        firsts.any(|(k, first)| {
             cone[k + 1..]
                 .iter()
-                .for_each(|second| along(first.cross(second)));
-        }
-    }
-    for first in a {
-        for second in b {
-            along(first.cross(second));
-            along(first - second);
-        }
-    }
+                .any(|second| is_enough(first.cross(second)))
+        })
+    };
+    let between = |is_enough: &mut dyn FnMut(Vector3<f64>) -> bool| {
+        a.iter().any(|first| {
+            let mut seconds = b.iter();
+            seconds.any(|second| is_enough(first.cross(second)) || is_enough(first - second))
+        })
+    };
+    let _found = is_enough(known)
+        || is_enough(middles)
+        || within(a, &mut is_enough)
+        || within(b, &mut is_enough)
+        || between(&mut is_enough);
     best
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use nalgebra::{Vector2, Vector3};
 
 use super::PlateError;
-use super::solid::cone_separation;
+use super::solid::cone_separation_up_to;
 use crate::folding::{FoldingMap, Pose};
 use crate::motion::{MAX_PLATE_ANGLE_DEG, Motion, PlateOptions};
 use crate::pattern::{CreasePattern, EdgeId, FaceId, VertexId};
@@ -21,8 +21,10 @@ const TOUCHING_SINE: f64 = 1e-9;
 /// Largest cut of a corner over the height at which it is made, and the number of halvings in the search for the least.
 const MAX_CUT: f64 = 32.0;
 const CUT_HALVINGS: u32 = 24;
-/// Part by which a cut is larger than the samples ask for, as the motion goes on between them, and what is added to that.
-const CUT_MARGIN: [f64; 2] = [0.02, 1e-4];
+/// Part by which a cut is larger than the samples ask for, as the motion goes on between them, and the unit to which it is
+/// rounded up, over the height.
+const CUT_MARGIN: f64 = 0.02;
+const CUT_UNIT: f64 = 1.0 / 1024.0;
 /// Sine of the angle between two sides up to which they are in line: such a corner is not cut.
 const STRAIGHT_SINE: f64 = 1e-6;
 
@@ -152,74 +154,96 @@ impl Trims {
         configurations: impl Iterator<Item = Vec<f64>>,
         options: &PlateOptions,
     ) {
-        let [below, above] = [options.hinge_plane > 0.0, options.hinge_plane < 1.0];
-        let first_faces = first_faces(pattern);
-        let mut vertices = Vec::new();
-        for vertex in (0..).map(VertexId).take(pattern.vertices().len()) {
-            let corners: Vec<Corner> = pattern.corners()[vertex.index()]
-                .iter()
-                .filter_map(|&face| {
-                    Corner::of(pattern, face, vertex, |edge| {
-                        self.tangents(edge, options.margin)
-                    })
-                })
-                .collect();
-            let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
-            let apart = pairs.filter(|&[a, b]| {
-                let [a, b] = [&corners[a], &corners[b]];
-                let are_joined = a.edges.iter().any(|edge| b.edges.contains(edge));
-                !are_joined && first_faces[a.face.index()] != first_faces[b.face.index()]
-            });
-            let apart: Vec<_> = apart.collect();
-            vertices.push((vertex, corners, apart));
-        }
+        let has_sides = [options.hinge_plane > 0.0, options.hinge_plane < 1.0];
+        let mut apart = self.corners_apart(pattern, options.margin);
         let mut map = FoldingMap::flat(pattern);
         for angles in configurations {
             map.fold(pattern, pattern.tree(), &angles);
-            for (vertex, corners, pairs) in &vertices {
-                for &[a, b] in pairs {
-                    let both = [&corners[a], &corners[b]];
-                    let poses = both.map(|corner| &map.poses()[corner.face.index()]);
-                    let keys = both.map(|corner| (first_faces[corner.face.index()], *vertex));
-                    // The sides of each plate to which the other one has risen.
-                    let sides =
-                        [0, 1].map(|k| both[k].side_of(both[1 - k], [poses[k], poses[1 - k]]));
-                    let known = keys.map(|(face, vertex)| self.cut(face, vertex));
-                    let with = |cut: f64| {
-                        [0, 1].map(|k| {
-                            let mut cuts = known[k];
-                            cuts[sides[k]] = cuts[sides[k]].max(cut);
-                            cuts
-                        })
-                    };
-                    let overlap = |cut: f64| {
-                        let cuts = with(cut);
-                        let [a, b] =
-                            [0, 1].map(|k| both[k].cone(cuts[k], [below, above], poses[k]));
-                        cone_separation(&a, &b) < -TOUCHING_SINE
-                    };
-                    if !overlap(0.0) || overlap(MAX_CUT) {
-                        continue;
-                    }
-                    let [mut low, mut high] = [0.0, MAX_CUT];
-                    for _ in 0..CUT_HALVINGS {
-                        let middle = f64::midpoint(low, high);
-                        if overlap(middle) {
-                            low = middle;
-                        } else {
-                            high = middle;
-                        }
-                    }
-                    let cuts = with(high * (1.0 + CUT_MARGIN[0]) + CUT_MARGIN[1]);
-                    for ((key, corner), cuts) in keys.into_iter().zip(both).zip(cuts) {
-                        if corner.may_be_cut {
-                            self.cuts.insert(key, cuts);
-                        }
-                    }
-                }
+            for pair in &mut apart {
+                let poses = pair.corners.map(|corner| &map.poses()[corner.face.index()]);
+                self.cut_apart(pair, poses, has_sides);
             }
         }
     }
+
+    /// Returns the pairs of corners of panels that share a vertex, but no hinge at it.
+    fn corners_apart(&self, pattern: &CreasePattern, margin: f64) -> Vec<CornersApart> {
+        let first_faces = first_faces(pattern);
+        let at = |vertex: VertexId| {
+            let faces = pattern.corners()[vertex.index()].iter();
+            let corner = |&face: &FaceId| {
+                Corner::of(pattern, face, vertex, |edge| self.tangents(edge, margin))
+            };
+            let corners: Vec<Corner> = faces.filter_map(corner).collect();
+            let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
+            let apart = pairs.filter_map(|pair| {
+                let corners @ [a, b] = pair.map(|k| corners[k]);
+                let panels = corners.map(|corner| first_faces[corner.face.index()]);
+                let are_joined = a.edges.iter().any(|edge| b.edges.contains(edge));
+                (!are_joined && panels[0] != panels[1]).then(|| CornersApart {
+                    corners,
+                    keys: panels.map(|panel| (panel, vertex)),
+                    parting: Vector3::zeros(),
+                })
+            });
+            apart.collect::<Vec<_>>()
+        };
+        let vertices = (0..).map(VertexId).take(pattern.vertices().len());
+        vertices.flat_map(at).collect()
+    }
+
+    /// Cuts two corners off by as much as it takes for them to be apart where they are.
+    fn cut_apart(&mut self, pair: &mut CornersApart, poses: [&Pose; 2], has_sides: [bool; 2]) {
+        let CornersApart {
+            corners,
+            keys,
+            parting,
+        } = pair;
+        // The sides of each plate to which the other one has risen.
+        let sides = [0, 1].map(|k| corners[k].side_of(&corners[1 - k], [poses[k], poses[1 - k]]));
+        let known = keys.map(|(panel, vertex)| self.cut(panel, vertex));
+        let with = |cut: f64| {
+            [0, 1].map(|k| {
+                let mut cuts = known[k];
+                cuts[sides[k]] = cuts[sides[k]].max(cut);
+                cuts
+            })
+        };
+        let mut overlap = |cut: f64| {
+            let cuts = with(cut);
+            let [a, b] = [0, 1].map(|k| corners[k].cone(cuts[k], has_sides, poses[k]));
+            cone_separation_up_to(&a, &b, parting, -TOUCHING_SINE) < -TOUCHING_SINE
+        };
+        if !overlap(0.0) || overlap(MAX_CUT) {
+            return;
+        }
+        let [mut low, mut high] = [0.0, MAX_CUT];
+        for _ in 0..CUT_HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if overlap(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        // Equal corners of a sheet get equal cuts, whatever rounding does.
+        let cut = (high * (1.0 + CUT_MARGIN) / CUT_UNIT).ceil() * CUT_UNIT;
+        let cuts = with(cut);
+        for ((key, corner), cuts) in keys.iter().zip(corners).zip(cuts) {
+            if corner.may_be_cut {
+                self.cuts.insert(*key, cuts);
+            }
+        }
+    }
+}
+
+/// Corners of two panels at a vertex that they share.
+struct CornersApart {
+    corners: [Corner; 2],
+    /// Panels and vertex.
+    keys: [(FaceId, VertexId); 2],
+    /// Normal of the last plane between them, if one was found.
+    parting: Vector3<f64>,
 }
 
 /// Returns for each face the first face of its panel.
@@ -286,6 +310,7 @@ impl Border {
 }
 
 /// A corner of a face at a vertex.
+#[derive(Clone, Copy)]
 struct Corner {
     face: FaceId,
     /// The edges before and behind the corner.

@@ -41,12 +41,18 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
         is_max: request.thickness == Thickness::Max,
     };
     let mut judged = asked.stage(Stage::Crossings, || {
+        let cut = || judge.judge(request.plates.with(|it| it.cuts_corners = true));
+        // The first crossing ends a search, but many thicknesses take long.
+        if judge.is_max {
+            return cut();
+        }
         let whole = judge.judge(request.plates);
         if !judge.is_corner_in_the_way(&whole.answer) {
             return whole;
         }
-        let cut = judge.judge(request.plates.with(|it| it.cuts_corners = true));
-        if cut.is_better(&whole) { cut } else { whole }
+        let cut = cut();
+        let is_free = matches!(cut.answer, Answer::Verdict(SweepVerdict::Free(_)));
+        if is_free { cut } else { whole }
     });
     let corners_cut = Note::CornersCut(judged.corners_cut);
     if judged.corners_cut > 0 && !best.notes.contains(&corners_cut) {
@@ -113,14 +119,6 @@ struct Judged {
 }
 
 impl Judged {
-    /// Returns `true` if more is proved of these plates.
-    fn is_better(&self, other: &Self) -> bool {
-        match (&self.answer, &other.answer) {
-            (Answer::Thickest(found), Answer::Thickest(before)) => found.proved > before.proved,
-            _ => matches!(self.answer, Answer::Verdict(SweepVerdict::Free(_))),
-        }
-    }
-
     /// Returns the outcome and the reason if the answer is no, or not known.
     fn no(&self) -> Option<(Outcome, Reason)> {
         let thickness = self.plates.thickness;
@@ -186,9 +184,10 @@ impl Judge<'_> {
                 Err(error) => Answer::No(TooThick::NotMade(error)),
             }
         };
+        let corners_cut = trims.corners_cut();
         Judged {
-            plates,
-            corners_cut: trims.corners_cut(),
+            plates: plates.with(|it| it.cuts_corners = corners_cut > 0),
+            corners_cut,
             answer,
         }
     }
@@ -204,13 +203,8 @@ impl Judge<'_> {
 
     /// Returns `true` if what is in the way is that panels which share a vertex pass through each other.
     fn is_corner_in_the_way(&self, answer: &Answer) -> bool {
-        let crossing = match answer {
-            Answer::Verdict(SweepVerdict::Crossing { crossing, .. }) => crossing,
-            Answer::Thickest(Thickest {
-                refuted: Some((_, TooThick::Cross(crossing, _))),
-                ..
-            }) => crossing,
-            _ => return false,
+        let Answer::Verdict(SweepVerdict::Crossing { crossing, .. }) = answer else {
+            return false;
         };
         let faces = self.motion.pattern.faces();
         let [a, b] = crossing.faces.map(|face| &faces[face.index()]);
