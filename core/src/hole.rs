@@ -138,25 +138,25 @@ pub fn residuals_and_jacobian<T: Scalar>(
 }
 
 /// Rigid motion of a face of the loop.
-struct Motion<T> {
-    turned: Rotation<T>,
-    moved: Vector3<T>,
+pub(crate) struct Motion<T> {
+    pub(crate) turned: Rotation<T>,
+    pub(crate) moved: Vector3<T>,
 }
 
 impl<T: Scalar> Motion<T> {
-    fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self {
             turned: Rotation::identity(),
             moved: Vector3::new(T::zero(), T::zero(), T::zero()),
         }
     }
 
-    fn apply(&self, place: &[T; 2]) -> Vector3<T> {
+    pub(crate) fn apply(&self, place: &[T; 2]) -> Vector3<T> {
         self.turned.rotate_in_sheet(*place) + self.moved
     }
 
     /// Moves on to the face behind a crease: turns about the crease's line, whose points stay where they are.
-    fn turn(&mut self, half: HalfAngle<T>, spoke: &Spoke<T>, place: &[T; 2]) {
+    pub(crate) fn turn(&mut self, half: HalfAngle<T>, spoke: &Spoke<T>, place: &[T; 2]) {
         let before = self.apply(place);
         self.turned = self.turned.across_crease(half, spoke.direction);
         self.moved += before - self.apply(place);

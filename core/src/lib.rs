@@ -123,6 +123,8 @@ mod numbers;
 mod objective;
 pub mod path_clock;
 #[cfg(feature = "solvers")]
+pub mod plane_angle;
+#[cfg(feature = "solvers")]
 pub mod project;
 mod rotation;
 #[cfg(feature = "solvers")]

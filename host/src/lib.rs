@@ -15,7 +15,8 @@
 //! 6. [`unfold`](mod@unfold) makes a crease pattern of a folded shape.
 //! 7. [`check`](mod@check) judges a motion afresh; [`view`] makes a page of it, [`plot`](mod@plot) draws its curves,
 //!    [`export`] writes it in other formats, and [`stream`] sends it to a controller.
-//! 8. [`request`] has the options of all this by their names, and the answers as JSON, for programs that ask by text.
+//! 8. [`sensitivity`] has the derivatives of a motion, the play that inexact panels need, and the torques of drives.
+//! 9. [`request`] has the options of all this by their names, and the answers as JSON, for programs that ask by text.
 //!
 //! ```
 //! use foldpath::generate::Miura;
@@ -175,6 +176,7 @@ pub mod planner;
 pub mod plot;
 pub mod read;
 pub mod request;
+pub mod sensitivity;
 mod straighten;
 #[cfg(feature = "stream")]
 pub mod stream;

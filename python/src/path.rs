@@ -8,15 +8,20 @@ use foldpath::check::check_watched;
 use foldpath::export::fold::motion_text;
 use foldpath::folding::FoldingMap;
 use foldpath::motion::{Knot, Motion};
+use foldpath::pattern::{FaceId, Unit};
 use foldpath::plot::{Curves, svg};
-use foldpath::request::{CheckJson, CheckRequest, Request};
+use foldpath::progress::Watch;
+use foldpath::read::check_unit;
+use foldpath::request::{CheckJson, CheckRequest, LoadsJson, Request, ToleranceJson};
+use foldpath::sensitivity::{Conditions, Drive, Load, Loads, NoDerivative, Sensitivity, Tolerance};
 use foldpath::view::{Scene, page};
+use foldpath::{Vector2, Vector3};
 use foldpath_cli::embed::{Source, export_motion, write_file, write_path};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 
 use crate::arrays::{from_bytes, numbers};
-use crate::refusal::error;
+use crate::refusal::{error, usage};
 use crate::sheet::{edges, faces, request};
 use crate::waiting::{Threads, waiting};
 
@@ -191,6 +196,208 @@ impl Path {
             serde_json::to_string(&CheckJson::of(&motion, &verdict)).unwrap_or_default()
         })
     }
+
+    /// Edges of the hinges that drive the sheet at a time.
+    fn drivers(&self, py: Python<'_>, time: f64) -> PyResult<Vec<usize>> {
+        let drivers = self.at_time(py, time, |at| Ok(at.drivers().to_vec()))?;
+        let creases = self.motion.pattern.creases();
+        Ok(drivers
+            .iter()
+            .map(|driver| creases[driver.index()].index())
+            .collect())
+    }
+
+    /// Rates of fold angles, (E,), and of the folded vertices, (V, 3), for changes of the flat vertices, (V, 2), and drivers.
+    fn jvp<'py>(
+        &self,
+        py: Python<'py>,
+        time: f64,
+        vertices: &[u8],
+        drivers: &[u8],
+    ) -> PyResult<(Bound<'py, PyByteArray>, Bound<'py, PyByteArray>)> {
+        let vertices = pairs(vertices);
+        let drivers: Vec<f64> = from_bytes(drivers).collect();
+        let pattern = &self.motion.pattern;
+        let rates = self.at_time(py, time, |at| {
+            let drivers = if drivers.is_empty() {
+                vec![0.0; at.drivers().len()]
+            } else {
+                drivers
+            };
+            at.jvp(&vertices, &drivers)
+        })?;
+        let mut angles = vec![f64::NAN; pattern.edges().len()];
+        for (edge, rate) in pattern.creases().iter().zip(rates.angles) {
+            angles[edge.index()] = rate;
+        }
+        let places = rates
+            .places
+            .into_iter()
+            .flat_map(|rate| [rate.x, rate.y, rate.z]);
+        Ok((numbers(py, angles), numbers(py, places)))
+    }
+
+    /// Gradient by the flat vertices, (V, 2), and by the drivers of what has these gradients by fold angles, (E,), and by folded
+    /// vertices, (V, 3).
+    fn vjp<'py>(
+        &self,
+        py: Python<'py>,
+        time: f64,
+        by_angles: &[u8],
+        by_vertices: &[u8],
+    ) -> PyResult<(Bound<'py, PyByteArray>, Bound<'py, PyByteArray>)> {
+        let by_edges: Vec<f64> = from_bytes(by_angles).collect();
+        let by_places: Vec<f64> = from_bytes(by_vertices).collect();
+        let creases = self.motion.pattern.creases().iter();
+        let by_creases: Vec<f64> = match by_edges.is_empty() {
+            true => Vec::new(),
+            false => creases.map(|edge| by_edges[edge.index()]).collect(),
+        };
+        let by_places: Vec<_> = by_places
+            .chunks_exact(3)
+            .map(|by| Vector3::new(by[0], by[1], by[2]))
+            .collect();
+        let gradient = self.at_time(py, time, |at| Ok(at.vjp(&by_creases, &by_places)))?;
+        let vertices = gradient.vertices.iter().flat_map(|by| [by.x, by.y]);
+        Ok((numbers(py, vertices), numbers(py, gradient.drivers)))
+    }
+
+    /// The JSON of `foldpath tolerance`.
+    fn tolerance(
+        &self,
+        py: Python<'_>,
+        error: Option<f64>,
+        play: Option<f64>,
+        jobs: Option<usize>,
+        is_forked: bool,
+    ) -> PyResult<String> {
+        let given = [("error", error), ("play", play)];
+        let mut given = given
+            .into_iter()
+            .filter_map(|(name, value)| Some((name, value?)));
+        let (Some((name, value)), None) = (given.next(), given.next()) else {
+            return Err(usage(py, "expected one of error and play".into()));
+        };
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(usage(
+                py,
+                format!("{name}: expected a number above 0, found {value}"),
+            ));
+        }
+        let motion = Arc::clone(&self.motion);
+        let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
+            let tolerance =
+                Tolerance::of(&motion, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let error = match name {
+                "error" => Some(value),
+                _ => Some(tolerance.error_for(value)).filter(|error| error.is_finite()),
+            };
+            let json = ToleranceJson::of(&motion, &tolerance, error);
+            Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
+        })?;
+        found.map_err(|text| usage(py, format!("{}: {text}", self.name.display())))
+    }
+
+    /// The JSON of `foldpath loads`.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the arguments of the call in Python"
+    )]
+    fn loads(
+        &self,
+        py: Python<'_>,
+        areal_density: f64,
+        fixed: Option<u32>,
+        gravity: [f64; 3],
+        spring: f64,
+        drives: Vec<(String, f64, f64)>,
+        unit: Option<String>,
+        jobs: Option<usize>,
+        is_forked: bool,
+    ) -> PyResult<String> {
+        let not_negative = [("areal_density", areal_density), ("spring", spring)];
+        for (name, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                let text = format!("{name}: expected a number from 0, found {value}");
+                return Err(usage(py, text));
+            }
+        }
+        if !gravity.iter().all(|part| part.is_finite()) {
+            return Err(usage(py, "gravity: expected three finite numbers".into()));
+        }
+        let drives = drives
+            .into_iter()
+            .map(|(name, stall_torque, degrees)| Drive {
+                name,
+                stall_torque,
+                speed: degrees.to_radians(),
+            });
+        let drives: Vec<Drive> = drives.collect();
+        if !drives
+            .iter()
+            .all(|drive| drive.stall_torque > 0.0 && drive.speed > 0.0)
+        {
+            return Err(usage(
+                py,
+                "drives: expected torques and speeds above 0".into(),
+            ));
+        }
+        let mut motion = Motion::clone(&self.motion);
+        if let Some(name) = unit {
+            let told = Unit::from_name(&name);
+            let told = told.ok_or_else(|| usage(py, format!("unit: {name} is none")))?;
+            check_unit(&self.name, motion.pattern.unit(), told)
+                .map_err(|refused| error(py, refused))?;
+            motion.measured_in(told);
+        }
+        let load = Load {
+            areal_density,
+            fixed: fixed.map(FaceId),
+            gravity: gravity.into(),
+            spring,
+        };
+        let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
+            let loads =
+                Loads::least(&motion, &load, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let json = LoadsJson::of(&motion, &loads, &drives);
+            Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
+        })?;
+        found.map_err(|text| usage(py, format!("{}: {text}", self.name.display())))
+    }
+}
+
+impl Path {
+    /// Does something with the derivatives at a time.
+    fn at_time<T: Send>(
+        &self,
+        py: Python<'_>,
+        time: f64,
+        work: impl FnOnce(&mut Sensitivity<'_>) -> Result<T, NoDerivative> + Send,
+    ) -> PyResult<T> {
+        if !time.is_finite() {
+            return Err(usage(
+                py,
+                format!("t: expected a finite time, found {time}"),
+            ));
+        }
+        let done = py.detach(|| {
+            let conditions = Conditions::new(&self.motion.pattern);
+            let conditions = conditions.ok_or("the sheet has too many creases".to_string())?;
+            let at = Sensitivity::of_motion(&conditions, &self.motion, time);
+            at.and_then(|mut at| work(&mut at))
+                .map_err(|no| no.to_string())
+        });
+        done.map_err(|text| usage(py, format!("at {time} s, {text}")))
+    }
+}
+
+/// Returns the pairs of a list of numbers.
+fn pairs(bytes: &[u8]) -> Vec<Vector2<f64>> {
+    let numbers: Vec<f64> = from_bytes(bytes).collect();
+    numbers
+        .chunks_exact(2)
+        .map(|pair| Vector2::new(pair[0], pair[1]))
+        .collect()
 }
 
 /// Writes a text, whole or not at all.

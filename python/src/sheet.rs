@@ -10,6 +10,7 @@ use foldpath::pattern::CreasePattern;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
 use foldpath::request::{InputJson, PatternInfo, ReadingRequest, Request, timeout};
+use foldpath::sensitivity::Conditions;
 use foldpath::symmetry::ReducedStars;
 use foldpath_cli::embed::{CliError, Source};
 use foldpath_core::{HalfAngle, closure, hole};
@@ -162,9 +163,14 @@ impl Sheet {
         indices(py, vertices.map(|vertex| vertex.index()))
     }
 
-    /// Residuals at fold angles (radians, one for each edge), and their derivatives by the angle of each edge in
-    /// compressed rows.
-    fn closure<'py>(&self, py: Python<'py>, angles: &[u8]) -> PyResult<ClosureBytes<'py>> {
+    /// Residuals at fold angles (radians, one for each edge), and their derivatives in compressed rows: by the angle of each
+    /// edge, or by the coordinates of each vertex.
+    fn closure<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &[u8],
+        by_vertices: bool,
+    ) -> PyResult<ClosureBytes<'py>> {
         let pattern = self.read.pattern();
         let angles: Vec<f64> = from_bytes(angles).collect();
         if angles.len() != pattern.edges().len() {
@@ -185,7 +191,14 @@ impl Sheet {
             x.push(angle);
         }
         let rows = py
-            .detach(|| jacobian(pattern, self.read.stars(), &x))
+            .detach(|| {
+                let rows = jacobian(pattern, self.read.stars(), &x)?;
+                if by_vertices {
+                    rows.by_vertices(pattern, &x)
+                } else {
+                    Some(rows)
+                }
+            })
             .ok_or_else(|| usage(py, "a defect of foldpath: a hinge is missing".into()))?;
         Ok([
             numbers(py, rows.residuals),
@@ -268,6 +281,30 @@ struct Rows {
 }
 
 impl Rows {
+    /// Returns the residuals with their derivatives by the coordinates of the vertices.
+    fn by_vertices(self, pattern: &CreasePattern, x: &[f64]) -> Option<Self> {
+        let mut rows = Self {
+            residuals: Vec::new(),
+            values: Vec::new(),
+            columns: Vec::new(),
+            ends: once(0).collect(),
+        };
+        let by_vertices = Conditions::new(pattern)?.by_vertices(x)?;
+        for (residual, entries) in self
+            .residuals
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .zip(by_vertices.iter())
+        {
+            let columns: Vec<[f64; 3]> =
+                entries.iter().map(|(_, column)| (*column).into()).collect();
+            let coordinates = entries.iter().map(|(coordinate, _)| *coordinate as usize);
+            rows.push(*residual, coordinates.zip(&columns));
+        }
+        Some(rows)
+    }
+
     /// Adds the three rows of a residual, with the derivative by each of its edges.
     fn push<'a>(
         &mut self,

@@ -162,3 +162,60 @@ def test_curves_are_those_of_the_command(
     (motion, path), plot = loaded, tmp_path / "plot.svg"
     assert command("plot", path, "-o", plot).status == 0
     assert motion.plot() == plot.read_text()
+
+
+def test_rates_by_a_driver_are_those_of_the_motion(motion: fp.Motion) -> None:
+    time, step = 0.6 * motion.duration, 1e-5
+    (driver,) = motion.drivers(time)
+    angles, places = motion.jvp(time, drivers=[1.0])
+    after, before = motion.at([time + step, time - step])
+    turned = (after - before) / (after - before)[driver]
+    hinges = ~np.isnan(turned)
+    assert np.abs(angles - turned)[hinges].max() < 1e-6
+    assert np.isnan(angles[~hinges]).all()
+    assert places.shape == (len(motion.vertices(time)), 3)
+
+
+def test_products_from_both_sides_are_equal(motion: fp.Motion) -> None:
+    time, random = 0.6 * motion.duration, np.random.default_rng(8)
+    count = len(motion.vertices(time))
+    # To turn and to scale the whole sheet keeps it foldable, and no hinge turns.
+    flat = motion.vertices(0.0)[:, :2]
+    change = flat * 0.3 + flat[:, ::-1] * [-0.7, 0.7]
+    angles, places = motion.jvp(time, vertices=change, drivers=[0.5])
+    by_angles, by_places = random.uniform(-1, 1, len(angles)), random.uniform(-1, 1, (count, 3))
+    by_vertices, by_drivers = motion.vjp(time, angles=by_angles, vertices=by_places)
+    forwards = np.nansum(by_angles * angles) + (by_places * places).sum()
+    assert abs((by_vertices * change).sum() + 0.5 * by_drivers[0] - forwards) < 1e-8
+
+
+def test_derivatives_that_do_not_exist_are_refused(motion: fp.Motion) -> None:
+    with pytest.raises(fp.FoldpathError, match="singular"):
+        motion.jvp(0.0)
+    count = len(motion.vertices(0.0))
+    broken = np.random.default_rng(9).uniform(-1, 1, (count, 2))
+    with pytest.raises(fp.FoldpathError, match="does not fold"):
+        motion.jvp(0.6 * motion.duration, vertices=broken)
+    with pytest.raises(fp.FoldpathError, match="vertices: expected the shape"):
+        motion.jvp(0.6 * motion.duration, vertices=[0.0])
+    with pytest.raises(fp.FoldpathError, match="finite"):
+        motion.drivers(float("nan"))
+
+
+def test_play_and_torques_are_those_of_the_command(loaded: tuple[fp.Motion, Path], command: Command) -> None:
+    motion, path = loaded
+    told = command("tolerance", path, "--error", "0.001", "--json")
+    assert fp.tolerance(motion, 0.001) == json.loads(told.out)
+    play = fp.tolerance(motion, 0.001)["max_play"]
+    assert fp.tolerance(motion, play=play)["error"] == pytest.approx(0.001)
+    drives = path.parent / "drives.csv"
+    drives.write_text("servo,1e-9,60\n")
+    told = command(
+        "loads", path, "--areal-density=0.8", "--unit=mm", "--gravity=0,-9.81,0", "--drives", drives, "--json"
+    )
+    loads = fp.loads(motion, 0.8, unit="mm", gravity=(0.0, -9.81, 0.0), drives=[("servo", 1e-9, 60.0)])
+    assert loads == json.loads(told.out)
+    with pytest.raises(fp.FoldpathError, match="unit of length"):
+        fp.loads(motion, 0.8)
+    with pytest.raises(fp.FoldpathError, match="expected one of error and play"):
+        fp.tolerance(motion)

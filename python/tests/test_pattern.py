@@ -167,3 +167,34 @@ def test_closure_takes_arrays_of_other_types_and_refuses_others() -> None:
     ]:
         with pytest.raises(fp.FoldpathError, match=text):
             fp.closure(pattern, wrong)
+
+
+@pytest.mark.parametrize("name", ["miura-3x3", "waterbomb-4x6"])
+def test_the_jacobian_by_vertices_is_that_of_central_differences(name: str) -> None:
+    pytest.importorskip("scipy")
+    file = json.loads((PATTERNS / f"{name}.fold").read_text())
+    # The condition of a vertex begins with its first crease counter-clockwise from -x. A crease along -x would be the first or
+    # the last one after a small move, so the sheet is turned.
+    turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+    file["vertices_coords"] = (np.array(file["vertices_coords"]) @ turn.T).tolist()
+    pattern = fp.read(file)
+    angles = np.full(len(pattern.edges), np.nan)
+    angles[pattern.hinges] = np.random.default_rng(6).uniform(-1, 1, len(pattern.hinges))
+    residuals, jacobian = fp.closure(pattern, angles, wrt="vertices")
+    assert jacobian.shape == (residuals.size, 2 * len(pattern.vertices))
+    assert np.array_equal(residuals, fp.closure(pattern, angles)[0])
+    step = 1e-5
+    for coordinate in range(0, jacobian.shape[1], 5):
+        ends = []
+        for sign in (1, -1):
+            moved = json.loads(json.dumps(file))
+            moved["vertices_coords"][coordinate // 2][coordinate % 2] += sign * step
+            ends.append(fp.closure(fp.read(moved), angles)[0].ravel())
+        column = (ends[0] - ends[1]) / (2 * step)
+        assert np.abs(jacobian[:, [coordinate]].toarray().ravel() - column).max() < 1e-9
+
+
+def test_a_jacobian_by_something_else_is_refused() -> None:
+    pattern = fp.miura(2, 2)
+    with pytest.raises(fp.FoldpathError, match="expected angles or vertices, found edges"):
+        fp.closure(pattern, np.zeros(len(pattern.edges)), wrt="edges")  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ object.
                               the largest distance of a hinge from the goal in degrees
     judge.py plates FOLDER    sets every hinge of the tree along the motion; the least distance of two panels that are meshes,
                               below 0 if they are in each other, over the extent of the model
+    judge.py loads FOLDER     the torques of the drivers of loads.json that hold the sheet at rest along the motion
     judge.py drake FOLDER     loads the model into Drake and counts
     judge.py shop FOLDER      loads STL and DXF files for the workshop: each solid's volume, and whether it is closed; errors of
                               drawings, and the number of entities of each layer
@@ -65,6 +66,38 @@ def loops(folder):
         gaps = anchors(first, model.eq_data[:, 0:3]) - anchors(second, model.eq_data[:, 3:6])
         worst = max(worst, numpy.linalg.norm(gaps, axis=1).max(initial=0.0))
     return {"times": len(times), "bodies": model.nbody - 1, "joints": model.njnt, "loops": model.neq // 2, "error": worst}
+
+
+def loads(folder):
+    """Returns the torques of the drivers for each gravity and time: N^T qfrc_inverse at rest, with the motions N that the
+    engine's Jacobian of the loops leaves free, the drivers' rows of which are the identity."""
+    mujoco, model, data, times, addresses, table = load(folder)
+    asked = json.loads((folder / "loads.json").read_text())
+    names = [model.joint(index).name for index in range(model.njnt)]
+    drivers = [int(model.jnt_dofadr[names.index(f"crease_{edge}")]) for edge in asked["drivers"]]
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    # Layers that lie on each other hold each other; the torques asked for leave that out.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    answer = []
+    for gravity in asked["gravities"]:
+        model.opt.gravity[:] = gravity
+        answer.append([])
+        for row in table:
+            data.qpos[addresses] = row
+            data.qvel[:] = 0.0
+            data.qacc[:] = 0.0
+            data.ctrl[:] = 0.0
+            mujoco.mj_inverse(model, data)
+            loops = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+            jacobian = data.efc_J[: data.nefc * model.nv].reshape(data.nefc, model.nv)[loops]
+            free = numpy.eye(model.nv)
+            if len(jacobian):
+                _, values, rows = numpy.linalg.svd(jacobian)
+                free = rows[int((values > 1e-6 * values.max()).sum()) :].T
+            assert free.shape[1] == len(drivers), (free.shape, len(drivers))
+            motions = free @ numpy.linalg.inv(free[drivers])
+            answer[-1].append((motions.T @ data.qfrc_inverse).tolist())
+    return answer
 
 
 def plates(folder):
@@ -132,5 +165,6 @@ def shop(folder):
 
 if __name__ == "__main__":
     question, folder = sys.argv[1:]
-    answer = {"loops": loops, "plates": plates, "drive": drive, "drake": drake, "shop": shop}[question](pathlib.Path(folder))
+    questions = {"loops": loops, "plates": plates, "loads": loads, "drive": drive, "drake": drake, "shop": shop}
+    answer = questions[question](pathlib.Path(folder))
     print(json.dumps(answer))

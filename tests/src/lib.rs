@@ -22,6 +22,7 @@ mod hand_made;
 mod judge;
 mod layers;
 mod lengths;
+pub mod linkage;
 pub mod matrices;
 pub mod meshes;
 mod motion;

@@ -11,6 +11,7 @@ mod nonsense;
 mod normal_equations;
 mod objective;
 mod path_clock;
+mod plane_angle;
 mod power_on;
 mod project;
 mod rotation;

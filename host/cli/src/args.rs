@@ -10,7 +10,7 @@ use foldpath_firmware_sim::hinges;
 
 use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
-use crate::values::{Seeded, Shard, Target};
+use crate::values::{Gravity, Seeded, Shard, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
 use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
 
@@ -49,6 +49,20 @@ pub(crate) enum Command {
     Plan(Box<Plan>),
     /// Judge a path afresh: rigidity, closure, signs and crossings, at the knots and between them
     Check(Check),
+    /// Tell how exactly a sheet has to be made: the play that its hinges need if vertices are off
+    ///
+    /// Panels whose corners are off by an error do not close in general, and their hinges need play: small turns and shifts
+    /// beside the fold. The worst case is over all errors of up to --error in each coordinate of each vertex, the expected
+    /// value is the root mean square for independent uniform errors, both to first order and over the whole motion from the
+    /// moment that a hinge is folded by 10 degrees. A turn by a radian counts as much as a shift by the median edge.
+    Tolerance(Tolerance),
+    /// Tell how strong the drives of a sheet have to be, against gravity and springs
+    ///
+    /// The sheet is at rest at each moment; friction and acceleration are left out. A set of drivers has as many hinges as the
+    /// sheet has degrees of freedom; the one whose largest torque is least is told.
+    ///
+    /// Exit status: 0 if each drive of --drives fits; 1 if one stalls; 2 for bad input or usage.
+    Loads(Loads),
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
     /// Faces are laid flat across their edges, all with the same side up: the side from which the vertices of most
@@ -283,6 +297,57 @@ pub(crate) struct Check {
     pub(crate) path: PathBuf,
     #[command(flatten)]
     pub(crate) request: Options<CheckRequest>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
+    #[command(flatten)]
+    pub(crate) report: Report,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("scale").required(true).args(["error", "play"]))]
+#[command(after_help = examples(["tolerance path.fold --error 0.001", "tolerance path.fold --play 0.002 --json"]))]
+pub(crate) struct Tolerance {
+    /// Path, a FOLD animation
+    pub(crate) path: PathBuf,
+    /// Largest error of each coordinate of each vertex, in the file's unit
+    #[arg(long, value_name = "E", value_parser = above_zero)]
+    pub(crate) error: Option<f64>,
+    /// Largest play of a hinge, in the file's unit: tells the error that it allows
+    #[arg(long, value_name = "P", value_parser = above_zero)]
+    pub(crate) play: Option<f64>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
+    #[command(flatten)]
+    pub(crate) report: Report,
+}
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = examples([
+    "loads path.fold --areal-density 0.8 --unit mm",
+    "loads path.fold --areal-density 0.8 --unit mm --gravity 0,-9.81,0 --spring 0.001 --json",
+]))]
+pub(crate) struct Loads {
+    /// Path, a FOLD animation
+    pub(crate) path: PathBuf,
+    /// Mass of the panels, kilograms per square metre
+    #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
+    pub(crate) areal_density: f64,
+    /// Face that is held [default: the first face of the spanning tree, in the middle of the sheet]
+    #[arg(long, value_name = "FACE")]
+    pub(crate) fixed: Option<u32>,
+    /// Acceleration of gravity, metres per second squared, in the frame of the drawing with the held face in its place
+    /// [default: 0,0,-9.80665]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub(crate) gravity: Option<Gravity>,
+    /// Stiffness of a spring in each hinge that rests flat, newton metres per radian
+    #[arg(long, value_name = "NM_PER_RAD", default_value_t = 0.0, value_parser = zero_or_above)]
+    pub(crate) spring: f64,
+    /// Table of drives, a line NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S for each: tells which fit
+    #[arg(long, value_name = "FILE")]
+    pub(crate) drives: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: Options<ReadingRequest>,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]

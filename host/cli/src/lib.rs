@@ -19,6 +19,7 @@ mod hints;
 mod info;
 mod jobs;
 mod key;
+mod loads;
 mod log;
 mod options;
 mod output;
@@ -32,6 +33,7 @@ mod report;
 mod sim;
 mod standard;
 mod stream;
+mod tolerance;
 mod unfold;
 mod values;
 mod view;
@@ -108,6 +110,8 @@ fn run(command: args::Command, quiet: bool, program: &[OsString]) -> Answer {
         args::Command::Info(args) => info::run(&args, quiet),
         args::Command::Plan(args) => args.jobs.run(|| plan::run(&args, quiet)),
         args::Command::Check(args) => args.jobs.run(|| check::run(&args, quiet)),
+        args::Command::Tolerance(args) => args.jobs.run(|| tolerance::run(&args, quiet)),
+        args::Command::Loads(args) => args.jobs.run(|| loads::run(&args, quiet)),
         args::Command::Unfold(args) => unfold::run(&args, quiet),
         args::Command::View(args) => view::run(&args, quiet),
         args::Command::Plot(args) => plot::run(&args, quiet),

@@ -11,10 +11,11 @@ use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{GoalFrames, PatternFile, parse_goals, parse_motion};
 use foldpath::read::{
-    FileError, Format, ReadOptions, ShapeFile, parse_pattern_with, parse_shape, read_file,
-    read_stream,
+    FileError, Format, ReadOptions, ShapeFile, parse_drives, parse_pattern_with, parse_shape,
+    read_file, read_stream,
 };
 use foldpath::request::{NamedGoals, generate};
+use foldpath::sensitivity::Drive;
 use foldpath::stream::parse_script;
 use foldpath_firmware_sim::hinges::Trouble;
 use serde_json::{Map, Value};
@@ -212,6 +213,11 @@ impl Input {
         self.parsed(|name, bytes| parse_shape(name, bytes, Some(format), frame))
     }
 
+    /// Reads a table of drives.
+    pub(crate) fn drives(&self) -> Result<Vec<Drive>, CliError> {
+        self.parsed(|name, bytes| parse_drives(name, &text(bytes)))
+    }
+
     /// Reads a script of disturbances of hinges.
     pub(crate) fn script(&self, hinges: usize) -> Result<Vec<(u64, Trouble)>, CliError> {
         self.parsed(|name, bytes| parse_script(name, &text(bytes), hinges))
@@ -295,6 +301,14 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             )
         }
         Command::Check(args) => (vec![("PATH", &args.path)], vec![]),
+        Command::Tolerance(args) => (vec![("PATH", &args.path)], vec![]),
+        Command::Loads(args) => {
+            let inputs = [("PATH", args.path.as_path())].into_iter();
+            (
+                inputs.chain(some("--drives", &args.drives)).collect(),
+                vec![],
+            )
+        }
         Command::Unfold(args) => (vec![("SHAPE", &args.shape)], vec![("-o", &args.output)]),
         Command::View(args) | Command::Plot(args) => {
             (vec![("PATH", &args.path)], vec![("-o", &args.output)])

@@ -5,6 +5,8 @@ use core::str::FromStr;
 use foldpath_firmware_sim::faults::Faults;
 use foldpath_firmware_sim::hinges::Drive;
 
+use foldpath::Vector3;
+
 /// Value `I/N` of `--shard`: one part of N, numbered from 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shard {
@@ -141,4 +143,43 @@ impl<T: Properties> FromStr for Seeded<T> {
         }
         Ok(this)
     }
+}
+
+/// Value `X,Y,Z` of `--gravity`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gravity(pub(crate) Vector3<f64>);
+
+impl FromStr for Gravity {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let numbers: Option<Vec<f64>> = text
+            .split(',')
+            .map(|part| part.trim().parse().ok())
+            .collect();
+        match numbers.as_deref() {
+            Some([x, y, z]) if [x, y, z].iter().all(|it| it.abs() <= 1e6) => {
+                Ok(Self(Vector3::new(*x, *y, *z)))
+            }
+            _ => Err("expected X,Y,Z, three numbers from -1e6 to 1e6"),
+        }
+    }
+}
+
+/// Largest number that an argument may be.
+const LARGEST: f64 = 1e12;
+
+/// Parses a number above 0.
+pub(crate) fn above_zero(text: &str) -> Result<f64, &'static str> {
+    let number = zero_or_above(text).ok().filter(|number| *number > 0.0);
+    number.ok_or("expected a number above 0, at most 1e12")
+}
+
+/// Parses a number that is not negative.
+pub(crate) fn zero_or_above(text: &str) -> Result<f64, &'static str> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number| (0.0..=LARGEST).contains(number));
+    number.ok_or("expected a number from 0 to 1e12")
 }

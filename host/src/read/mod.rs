@@ -7,6 +7,7 @@
 mod colour;
 mod cp;
 mod curves;
+mod drives;
 #[cfg(feature = "dxf")]
 mod dxf;
 mod error;
@@ -28,6 +29,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+pub use drives::parse_drives;
 pub use error::FileError;
 pub use format::Format;
 pub use options::{ColourLetters, LayerLetters, LettersError, ReadOptions, Straighten, TOLERANCE};

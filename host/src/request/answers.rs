@@ -15,10 +15,11 @@ use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
 use crate::folding::worst_amplification;
 use crate::motion::Motion;
-use crate::pattern::{CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
+use crate::sensitivity::{Drive, HingePlay, Loads, Peak, Tolerance};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
 
 /// Largest number of panels that bend that are named.
@@ -172,6 +173,71 @@ answers! {
         contact_tolerance: f64 = verdict.contact_tolerance;
         max_speed: f64 = verdict.rates.speed.to_degrees();
         max_acceleration: Option<f64> = verdict.rates.acceleration.map(f64::to_degrees);
+    }
+
+    /// The play that a motion needs, which serialises to the JSON object of `foldpath tolerance --json`. Lengths are in the units
+    /// of the sheet, times in seconds. `error` is the largest error of each coordinate of each vertex; `None` if no error needs
+    /// play.
+    ToleranceJson of (motion: &Motion, tolerance: &Tolerance, error: Option<f64>) {
+        let scale = error.unwrap_or(0.0);
+        let mut ranked: Vec<&HingePlay> = tolerance.hinges.iter().collect();
+        ranked.sort_by(|a, b| b.worst.total_cmp(&a.worst));
+        let mut costs: Vec<(usize, f64)> = tolerance.vertices.iter().copied().enumerate().collect();
+        costs.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let edge = |crease: CreaseId| motion.pattern.creases()[crease.index()].index();
+    } {
+        error: Option<f64> = error;
+        unit: Option<&'static str> = motion.pattern.unit().map(Unit::name);
+        max_play: f64 = scale * tolerance.worst().map_or(0.0, |hinge| hinge.worst);
+        at: f64 = tolerance.worst().map_or(0.0, |hinge| hinge.at);
+        hinges: Vec<HingePlayJson> = (ranked.iter())
+            .map(|hinge| HingePlayJson::of(edge(hinge.crease), hinge, scale)).collect();
+        vertices: Vec<VertexCostJson> = (costs.iter())
+            .map(|&(vertex, cost)| VertexCostJson::of(vertex, cost, scale)).collect();
+        redundant: Vec<usize> = tolerance.redundant.iter().map(|&crease| edge(crease)).collect();
+    }
+
+    /// The play of a hinge.
+    HingePlayJson of (edge: usize, hinge: &HingePlay, error: f64) {} {
+        edge: usize = edge;
+        worst: f64 = hinge.worst * error;
+        expected: f64 = hinge.expected * error;
+    }
+
+    /// The play that the error of a vertex costs.
+    VertexCostJson of (vertex: usize, cost: f64, error: f64) {} {
+        vertex: usize = vertex;
+        cost: f64 = cost * error;
+    }
+
+    /// The torques of a motion, which serialises to the JSON object of `foldpath loads --json`. Torques are in newton metres,
+    /// times in seconds.
+    LoadsJson of (motion: &Motion, loads: &Loads, drives: &[Drive]) {
+        let edge = |crease: CreaseId| motion.pattern.creases()[crease.index()].index();
+    } {
+        drivers: Vec<usize> = loads.drivers.iter().map(|&crease| edge(crease)).collect();
+        times: Vec<f64> = loads.times.clone();
+        torques: Vec<Vec<f64>> = loads.torques.clone();
+        peak: PeakJson = PeakJson::of(edge(loads.peak.driver), &loads.peak);
+        regularity: f64 = loads.regularity;
+        is_least: bool = loads.is_least;
+        fits: Vec<FitJson> = drives.iter().map(|drive| FitJson::of(loads, drive)).collect();
+    }
+
+    /// The largest torque.
+    PeakJson of (driver: usize, peak: &Peak) {} {
+        driver: usize = driver;
+        torque: f64 = peak.torque;
+        at: f64 = peak.at;
+    }
+
+    /// A kind of drive, and if it fits.
+    FitJson of (loads: &Loads, drive: &Drive) {
+        let at = loads.stalls_at(drive);
+    } {
+        drive: String = drive.name.clone();
+        fits: bool = at.is_none();
+        at: Option<f64> = at;
     }
 
     /// Two faces that pass through each other.

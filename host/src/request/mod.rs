@@ -42,7 +42,10 @@ mod plan;
 mod table;
 mod values;
 
-pub use answers::{CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, PatternInfo, PlanJson};
+pub use answers::{
+    CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, LoadsJson, PatternInfo, PlanJson,
+    ToleranceJson,
+};
 pub use error::RequestError;
 pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;

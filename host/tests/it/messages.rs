@@ -8,6 +8,7 @@ use foldpath::planner::{
     FirstSteps, GroupsDropped, HingeAtLimit, Note, ProofOrder, Reason, Stop, TimeoutAt, Undecided,
     WorstClosure,
 };
+use foldpath::sensitivity::{NoDerivative, NoLoads, NoTolerance, PlayKind};
 use foldpath_core::GroupId;
 
 const FACES: [FaceId; 2] = [FaceId(3), FaceId(8)];
@@ -601,4 +602,93 @@ fn findings_are_sentences() {
     for (open, sentence) in undecided {
         assert_eq!(open.to_string(), sentence);
     }
+}
+
+#[test]
+fn reasons_for_no_derivative_play_or_torque_are_sentences() {
+    let singular = NoDerivative::Singular { value: 1.54e-9 };
+    let open = NoDerivative::Open { residual: 0.0123 };
+    let leaves = NoDerivative::LeavesFoldability {
+        residual: 0.2,
+        of: 0.3,
+    };
+    let told = [
+        (
+            singular.to_string(),
+            "the configuration is singular (smallest singular value 1.5e-9): the drivers do not determine the other hinges \
+             there, as in the flat sheet",
+        ),
+        (
+            open.to_string(),
+            "the configuration does not close (residual 1.2e-2)",
+        ),
+        (
+            leaves.to_string(),
+            "the changed pattern does not fold: of its effect on closure, 3.0e-1 radians, 2.0e-1 are left",
+        ),
+        (
+            NoTolerance::Flat.to_string(),
+            "no hinge is folded by 10 degrees at any time",
+        ),
+        (
+            NoTolerance::Open {
+                time: 1.5,
+                cause: open,
+            }
+            .to_string(),
+            "at 1.500 s, the configuration does not close (residual 1.2e-2)",
+        ),
+        (
+            NoTolerance::TooLarge.to_string(),
+            "the sheet has too many creases",
+        ),
+        (NoTolerance::Cancelled.to_string(), "the call was cancelled"),
+        (
+            NoLoads::NoUnit.to_string(),
+            "the file tells no unit of length, and torques need one",
+        ),
+        (
+            NoLoads::Pieces { sheets: 2 }.to_string(),
+            "expected a sheet in one piece, found 2",
+        ),
+        (
+            NoLoads::NoFace {
+                face: FaceId(9),
+                faces: 9,
+            }
+            .to_string(),
+            "face 9 does not exist, expected 0 to 8",
+        ),
+        (
+            NoLoads::TooLarge.to_string(),
+            "the sheet has too many creases",
+        ),
+        (NoLoads::Still.to_string(), "no hinge turns"),
+        (NoLoads::Cancelled.to_string(), "the call was cancelled"),
+        (
+            NoLoads::NoMotion {
+                time: 0.0,
+                cause: open,
+            }
+            .to_string(),
+            "at 0.000 s, the configuration does not close (residual 1.2e-2)",
+        ),
+        (
+            NoLoads::FreedomChanges {
+                freedom: [1, 2],
+                times: [0.0, 2.5],
+            }
+            .to_string(),
+            "the degrees of freedom change: 1 at 0.000 s, 2 at 2.500 s; no set of drivers serves both",
+        ),
+        (
+            NoLoads::NoDrivers { size: 2 }.to_string(),
+            "no set of 2 hinges drives the sheet over the whole motion",
+        ),
+    ];
+    for (found, expected) in told {
+        assert_eq!(found, expected);
+    }
+    let names = PlayKind::ALL.map(PlayKind::name);
+    assert_eq!(names[3..], ["gap", "step"]);
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library from the lowest to the highest. Modules of one line use neither each other nor anything
 /// above.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 14] = [
     // `progress` is part of `util` and has a name at the root of the library.
     &["colours", "util", "progress"],
     &["pattern"],
@@ -17,6 +17,7 @@ const LAYERS: [&[&str]; 13] = [
     &["lattice"],
     &["certificate"],
     &["collision"],
+    &["sensitivity"],
     &["planner", "check", "unfold"],
     &["read"],
     &["export"],

@@ -10,7 +10,7 @@ True
 
 from ._batch import batch, plan_line
 from ._error import FoldpathError
-from ._motion import Motion, Verdict, check, load
+from ._motion import Motion, Verdict, check, load, loads, tolerance
 from ._pattern import (
     Pattern,
     closure,
@@ -36,6 +36,7 @@ __all__ = [
     "closure",
     "kresling",
     "load",
+    "loads",
     "miura",
     "plan",
     "plan_line",
@@ -43,6 +44,7 @@ __all__ = [
     "read",
     "resch",
     "square_twist",
+    "tolerance",
     "waterbomb",
     "yoshimura",
 ]

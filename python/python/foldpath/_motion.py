@@ -169,6 +169,44 @@ class Motion:
         """Judge the motion; see :func:`check` for the options."""
         return check(self, jobs=jobs, **given)
 
+    def drivers(self, t: float) -> list[int]:
+        """Return the edges of hinges whose angles determine all others at a time: the drivers of :meth:`jvp`."""
+        return self._path.drivers(float(t))
+
+    def jvp(
+        self, t: float, vertices: ArrayLike | None = None, drivers: ArrayLike | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return rates of fold angles, (E,), and of folded vertices, (V, 3), at a time.
+
+        ``vertices`` has the change of each vertex of the flat pattern, (V, 2), and ``drivers`` that of the angle of each of
+        :meth:`drivers`, radians; those left out are zero. The panel in the middle of the sheet keeps its place. Rates are nan
+        for edges that are no hinge. The configuration is the closed one nearest to the motion.
+
+        Raises :class:`FoldpathError` at singular configurations, as flat, and for changes with which the sheet does not fold.
+        """
+        count = self._path.vertex_count
+        changes = np.zeros((count, 2)) if vertices is None else _shaped(vertices, "vertices", (count, 2))
+        driven = np.zeros(len(self.drivers(t))) if drivers is None else contiguous(drivers, "drivers")
+        if driven.shape != (len(self.drivers(t)),):
+            raise FoldpathError(f"drivers: expected {len(self.drivers(t))} numbers, found the shape {driven.shape}")
+        angles, places = self._path.jvp(float(t), changes.tobytes(), driven.tobytes())
+        return floats(angles, -1), floats(places, -1, 3)
+
+    def vjp(
+        self, t: float, angles: ArrayLike | None = None, vertices: ArrayLike | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return the gradient by the vertices of the flat pattern, (V, 2), and by the drivers' angles, at a time.
+
+        ``angles`` has the gradient by the fold angle of each edge, (E,), of which those of edges that are no hinge count for
+        nothing, and ``vertices`` that by the folded vertices, (V, 3). The gradient holds for changes with which the pattern
+        still folds. Raises :class:`FoldpathError` at singular configurations.
+        """
+        count = self._path.vertex_count
+        by_angles = b"" if angles is None else _shaped(angles, "angles", (self._path.edge_count,)).tobytes()
+        by_vertices = b"" if vertices is None else _shaped(vertices, "vertices", (count, 3)).tobytes()
+        flat, drivers = self._path.vjp(float(t), by_angles, by_vertices)
+        return floats(flat, -1, 2), floats(drivers, -1)
+
     def _repr_html_(self) -> str:
         page = html.escape(self.page())
         style = "width: 100%; height: 640px; border: 0"
@@ -179,6 +217,13 @@ class Motion:
 
     def __repr__(self) -> str:
         return f"<foldpath.Motion {self.title!r}: {self._path.knots} knots, {self.duration:.3f} s>"
+
+
+def _shaped(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    array = contiguous(values, name)
+    if array.shape != shape:
+        raise FoldpathError(f"{name}: expected the shape {shape}, found {array.shape}")
+    return array
 
 
 def _check_times(times: Floats) -> None:
@@ -260,3 +305,51 @@ def check(
     if not isinstance(motion, Motion):
         motion = load(motion)
     return Verdict(json.loads(motion._path.check(options(given), threads(jobs), is_forked())))
+
+
+def tolerance(
+    motion: Union[Motion, Source],
+    error: float | None = None,
+    *,
+    play: float | None = None,
+    jobs: int | None = None,
+) -> dict[str, Any]:
+    """Tell how exactly a sheet has to be made: the object of ``foldpath tolerance --json``.
+
+    ``error`` is the largest error of each coordinate of each vertex, in the file's unit. With ``play`` in its place, the
+    answer has the error that this play allows.
+    """
+    if not isinstance(motion, Motion):
+        motion = load(motion)
+    told = motion._path.tolerance(error, play, threads(jobs), is_forked())
+    answer: dict[str, Any] = json.loads(told)
+    return answer
+
+
+def loads(
+    motion: Union[Motion, Source],
+    areal_density: float,
+    *,
+    fixed: int | None = None,
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.80665),
+    spring: float = 0.0,
+    drives: list[tuple[str, float, float]] | None = None,
+    unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
+    jobs: int | None = None,
+) -> dict[str, Any]:
+    """Tell how strong the drives of a sheet have to be: the object of ``foldpath loads --json``.
+
+    ``areal_density`` is in kilograms per square metre, ``gravity`` in metres per second squared in the frame of the drawing
+    with face ``fixed`` in its place, ``spring`` in newton metres per radian. ``drives`` has name, stall torque (newton
+    metres) and speed without load (degrees per second) of each kind of drive. ``unit`` is the unit of lengths, if the file
+    tells none.
+    """
+    if not isinstance(motion, Motion):
+        motion = load(motion)
+    x, y, z = gravity
+    weight = (float(x), float(y), float(z))
+    told = motion._path.loads(
+        float(areal_density), fixed, weight, float(spring), drives or [], unit, threads(jobs), is_forked()
+    )
+    answer: dict[str, Any] = json.loads(told)
+    return answer

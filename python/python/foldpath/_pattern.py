@@ -170,7 +170,9 @@ def content(source: Source) -> bytes:
     raise FoldpathError(f"expected a file, bytes or a dictionary, found {type(source).__name__}")
 
 
-def closure(pattern: Pattern, angles: ArrayLike) -> tuple[Floats, csr_matrix]:
+def closure(
+    pattern: Pattern, angles: ArrayLike, *, wrt: Literal["angles", "vertices"] = "angles"
+) -> tuple[Floats, csr_matrix]:
     """Return closure residuals at fold angles, and their Jacobian.
 
     ``angles`` has the fold angle of each edge in radians, valley positive: (E,). Angles of edges that are no hinge count
@@ -180,17 +182,23 @@ def closure(pattern: Pattern, angles: ArrayLike) -> tuple[Floats, csr_matrix]:
     these two for each hole, of rotation and of translation over the hole's size. The residual of a vertex is the vector
     part of the unit quaternion of the turn round it, doubled; near 0 its length is that turn in radians. The Jacobian is
     a sparse matrix of scipy, (3 R, E): row 3 i + k belongs to residual (i, k).
+
+    With ``wrt="vertices"`` the Jacobian is that by the vertices of the flat pattern, (3 R, 2 V): column 2 v belongs to x of
+    vertex v, column 2 v + 1 to y. Middle and size of a hole count as fixed.
     """
     from scipy.sparse import csr_matrix
 
     values = contiguous(angles, "angles")
     if values.ndim != 1:
         raise FoldpathError(f"angles: expected one dimension, found {values.ndim}")
-    residuals, data, columns, ends = pattern._sheet.closure(values.tobytes())
+    if wrt not in ("angles", "vertices"):
+        raise FoldpathError(f"wrt: expected angles or vertices, found {wrt}")
+    by_vertices = wrt == "vertices"
+    residuals, data, columns, ends = pattern._sheet.closure(values.tobytes(), by_vertices)
     rows = floats(residuals, -1, 3)
     matrix = csr_matrix(
         (floats(data, -1), integers(columns, -1), integers(ends, -1)),
-        shape=(rows.size, len(values)),
+        shape=(rows.size, 2 * len(pattern.vertices) if by_vertices else len(values)),
     )
     return rows, matrix
 

@@ -8,9 +8,10 @@ use foldpath::collision::{PlateError, Plates, Trims};
 use foldpath::export::{ExportOptions, Format, Source, csv, mjcf};
 use foldpath::generate::{Miura, Waterbomb, Yoshimura};
 use foldpath::motion::{Motion, PlateOptions, PlateSides};
-use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter, Unit};
 use foldpath::planner::{Goal, Outcome, PlanOptions, PlateRequest, plan};
 use foldpath::read::read_pattern;
+use foldpath::sensitivity::{Conditions, Load, Loads, Sensitivity};
 use foldpath_tests::meshes::Carton;
 use nalgebra::Vector2;
 use serde_json::Value;
@@ -22,6 +23,10 @@ const TIMES: f64 = 201.0;
 const ROUNDING: f64 = 1e-12;
 /// Largest distance from the goal of a sheet that is driven by few hinges, degrees.
 const NEAR_DEG: f64 = 3.0;
+/// Largest difference of a torque over the largest torque.
+const EQUAL_TORQUE: f64 = 1e-5;
+/// Number of times at which torques are judged at least.
+const JUDGED_TIMES: usize = 51;
 
 /// Returns the Python that has the package; prints that the test is skipped and returns `None` if there is none.
 fn python(package: &str) -> Option<PathBuf> {
@@ -128,6 +133,104 @@ fn ask(python: &Path, question: &str, folder: &TempDir) -> Value {
     );
     let text = String::from_utf8(output.stdout).unwrap();
     serde_json::from_str(text.lines().last().unwrap()).unwrap()
+}
+
+/// Torques of the drives against those of MuJoCo: N^T qfrc_inverse at rest, with the motions N that the engine's own Jacobian
+/// of the loops leaves free.
+#[test]
+fn torques_of_drives_are_those_of_mujoco() {
+    let Some(python) = python("mujoco") else {
+        return;
+    };
+    let gravities = [[0.0, 0.0, -9.81], [4.0, 0.0, 0.0], [1.0, -5.0, 3.0]];
+    let wanted = [
+        "miura-3x3",
+        "miura-5x5",
+        "square-twist-1x1",
+        "waterbomb-4x6",
+        "quad-3x3",
+        "resch-3x3",
+        "yoshimura-12x12",
+    ];
+    let small = patterns().filter(|sheet| wanted.contains(&sheet.name.as_str()));
+    let more = [miura(4, 4), miura(2, 3), miura(3, 4), miura(5, 3)];
+    let mut judged = 0;
+    for mut sheet in small.chain(more) {
+        sheet.motion.measured_in(Unit::Metre);
+        sheet.motion = sheet.motion.resampled(JUDGED_TIMES);
+        let pattern = sheet.motion.pattern.clone();
+        let (folder, model) = exported(&sheet);
+        let edge = pattern.median_edge();
+        // The mass of the model: 1 for each square of the median edge.
+        let load = |gravity: [f64; 3]| Load {
+            areal_density: 1.0 / (edge * edge),
+            fixed: None,
+            gravity: gravity.into(),
+            spring: 0.0,
+        };
+        let drivers = model
+            .actuators
+            .iter()
+            .map(|edge| pattern.edge(*edge).crease.unwrap());
+        let drivers: Vec<_> = drivers.collect();
+        // Hinges that drive the sheet near flat need not drive it all along.
+        let of = |gravity| Loads::of(&sheet.motion, &load(gravity), &drivers);
+        let found: Result<Vec<Loads>, _> = gravities.map(of).into_iter().collect();
+        let found = match found {
+            Ok(found) => found,
+            Err(no) => {
+                println!("{}: {no}", sheet.name);
+                continue;
+            }
+        };
+        // The engine gets the closed configurations.
+        let conditions = Conditions::new(&pattern).unwrap();
+        let chosen: Vec<usize> = (0..found[0].times.len()).collect();
+        let mut table = String::from("t");
+        for crease in pattern.creases() {
+            table += &format!(",edge_{crease}");
+        }
+        for &k in &chosen {
+            let time = found[0].times[k];
+            table += &format!("\n{time}");
+            let at = Sensitivity::of_motion(&conditions, &sheet.motion, time).unwrap();
+            for angle in at.angles() {
+                table += &format!(",{:e}", angle.to_degrees());
+            }
+        }
+        std::fs::write(folder.path().join("motion.csv"), table).unwrap();
+        let asked = serde_json::json!({"gravities": gravities, "drivers": model.actuators});
+        std::fs::write(folder.path().join("loads.json"), asked.to_string()).unwrap();
+        let answer = ask(&python, "loads", &folder);
+        let mut worst = 0.0_f64;
+        // A sheet that is held in its middle may be in balance: then the digits of the meshes are of the weight.
+        let weight = pattern.faces().len() as f64 * 5.0 * edge;
+        let peaks = found.iter().map(|found| found.peak.torque.abs());
+        let peak = peaks.fold(0.1 * weight, f64::max);
+        for (index, found) in found.iter().enumerate() {
+            for (row, &k) in chosen.iter().enumerate() {
+                for (driver, torque) in found.torques[k].iter().enumerate() {
+                    let expected = answer[index][row][driver].as_f64().unwrap();
+                    let off = (torque - expected).abs() / peak;
+                    assert!(
+                        off <= EQUAL_TORQUE,
+                        "{}: {torque} {expected} at {}",
+                        sheet.name,
+                        found.times[k]
+                    );
+                    worst = worst.max(off);
+                }
+            }
+        }
+        println!(
+            "{}: {} drivers, {} times, off by {worst:.1e} of the peak",
+            sheet.name,
+            drivers.len(),
+            chosen.len()
+        );
+        judged += 1;
+    }
+    assert!(judged >= 8, "{judged}");
 }
 
 fn check_counts(name: &str, counts: &Value, model: &mjcf::Model) {

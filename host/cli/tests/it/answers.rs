@@ -106,6 +106,24 @@ fn check_shape() -> Value {
     })
 }
 
+fn tolerance_shape() -> Value {
+    json!({
+        "error": "number|null", "unit": "text|null", "max_play": "number", "at": "number",
+        "hinges": [{"edge": "count", "worst": "number", "expected": "number"}],
+        "vertices": [{"vertex": "count", "cost": "number"}],
+        "redundant": ["count"],
+    })
+}
+
+fn loads_shape() -> Value {
+    json!({
+        "drivers": ["count"], "times": ["number"], "torques": [["number"]],
+        "peak": {"driver": "count", "torque": "number", "at": "number"},
+        "regularity": "number", "is_least": "bool",
+        "fits": [{"drive": "text", "fits": "bool", "at": "number|null"}],
+    })
+}
+
 #[test]
 fn every_answer_has_the_keys_of_the_contract() {
     let folder = folder_with_path();
@@ -113,8 +131,38 @@ fn every_answer_has_the_keys_of_the_contract() {
     folder.done(&format!("plan {crossing} --collision off -o crossing.fold"));
     let cut = folder.read("path.fold").replace("\"M\"", "\"V\"");
     folder.write("flipped.fold", &cut);
+    folder.write("servo.csv", "servo, 10, 600 # strong\n");
+    folder.write("weak.csv", "weak, 1e-9, 600\n");
 
     let cases = [
+        (
+            "tolerance path.fold --error 0.001",
+            0,
+            tolerance_shape(),
+            "error",
+            json!(0.001),
+        ),
+        (
+            "tolerance path.fold --play 0.01",
+            0,
+            tolerance_shape(),
+            "unit",
+            json!(null),
+        ),
+        (
+            "loads path.fold --areal-density 0.8 --unit mm --drives servo.csv",
+            0,
+            loads_shape(),
+            "is_least",
+            json!(true),
+        ),
+        (
+            "loads path.fold --areal-density 0.8 --unit mm --spring 1e-3 --drives weak.csv",
+            1,
+            loads_shape(),
+            "is_least",
+            json!(true),
+        ),
         ("info miura.fold", 0, info_shape(), "groups", json!(2)),
         (
             &format!("info {PATTERNS}/square-twist-unfoldable.fold"),

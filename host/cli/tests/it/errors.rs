@@ -42,6 +42,10 @@ fn usage() {
     folder.write("goal.fold", &folder.read("miura.fold"));
     folder.write("events.txt", "0 supply 1\n");
     folder.write("designs.jsonl", "");
+    folder.write(
+        "drives.csv",
+        "name,torque,speed\nservo,0.1,60\nmotor,0,60\n",
+    );
     for name in ["sheet.svg", "sheet.cp", "shape.obj"] {
         folder.write(name, "");
     }
@@ -120,6 +124,23 @@ fn usage() {
         generate kresling --cols 7 -o a.fold
         check path.fold --bound 0
         check path.fold --bound 2
+        tolerance path.fold
+        tolerance path.fold --error 0
+        tolerance path.fold --error NaN
+        tolerance path.fold --error 1 --play 1
+        tolerance path.fold --play=-1
+        loads path.fold
+        loads path.fold --areal-density 1
+        loads path.fold --areal-density=-1
+        loads path.fold --areal-density 1 --unit mm --gravity 0,1
+        loads path.fold --areal-density 1 --unit mm --gravity 0,1,inf
+        loads path.fold --areal-density 1 --unit mm --fixed 99
+        loads path.fold --areal-density 1 --unit mm --fixed=-1
+        loads path.fold --areal-density 1 --unit mm --spring stiff
+        loads path.fold --areal-density 1 --unit mm --tolerance 0.1
+        loads path.fold --areal-density 1 --unit mm --drives nowhere.csv
+        loads path.fold --areal-density 1 --unit mm --drives drives.csv
+        loads path.fold --areal-density 1 --unit mm --drives designs.jsonl
         view path.fold
         plan - --goal -
         plan - --via - --via -

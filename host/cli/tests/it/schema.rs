@@ -167,6 +167,7 @@ fn every_answer_fits_its_schema() {
     let tent =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0.2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
     folder.write("tent.obj", tent);
+    folder.write("drives.csv", "weak,1e-12,60\nstrong,10,60\n");
     let mut judged = BTreeMap::new();
     let twist = format!("info {PATTERNS}/square-twist-unfoldable.fold");
     let kresling = format!("plan {PATTERNS}/kresling-2x6.fold");
@@ -187,6 +188,13 @@ fn every_answer_fits_its_schema() {
         ("check.json", "check path.fold", 0),
         ("check.json", "check crossing.fold", 1),
         ("check.json", "check flipped.fold", 1),
+        ("tolerance.json", "tolerance path.fold --error 0.001", 0),
+        ("tolerance.json", "tolerance path.fold --play 0.01", 0),
+        (
+            "loads.json",
+            "loads path.fold --areal-density 0.8 --unit mm --spring 1e-3 --drives drives.csv",
+            1,
+        ),
         ("unfold.json", "unfold path.fold -o a.fold", 0),
         ("unfold.json", "unfold tent.obj --cut none -o b.fold", 1),
         ("stream.json", "stream path.traj --to sim", 0),

@@ -1,0 +1,93 @@
+//! Runs `foldpath loads`, which tells how strong the drives of a sheet have to be.
+
+use crate::args::Loads as Args;
+use crate::progress::watched;
+use crate::report::outcome;
+use crate::standard::{Input, source};
+use crate::{Answer, CliError, print, print_json, print_notes};
+use foldpath::Vector3;
+use foldpath::pattern::FaceId;
+use foldpath::progress::Watch;
+use foldpath::read::check_unit;
+use foldpath::request::{LoadsJson, ReadingRequest, Request};
+use foldpath::sensitivity::{Load, Loads, STANDARD_GRAVITY};
+
+pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
+    let reading = args.reading.get()?;
+    let without_unit = ReadingRequest {
+        unit: None,
+        ..reading.clone()
+    };
+    if without_unit != ReadingRequest::default() {
+        let text = "--tolerance, --straighten, --colors, --layers and --dashes: loads reads a path, not a drawing";
+        return Err(CliError::Usage(text.into()));
+    }
+    let input = Input::of(&args.path)?;
+    let mut motion = input.motion_for("loads")?;
+    if let Some(unit) = reading.options()?.unit {
+        check_unit(&input.name, motion.pattern.unit(), unit)?;
+        motion.measured_in(unit);
+    }
+    let drives = match &args.drives {
+        Some(file) => Input::of(file)?.drives()?,
+        None => Vec::new(),
+    };
+    let load = Load {
+        areal_density: args.areal_density,
+        fixed: args.fixed.map(FaceId),
+        gravity: args
+            .gravity
+            .map_or(Vector3::new(0.0, 0.0, -STANDARD_GRAVITY), |it| it.0),
+        spring: args.spring,
+    };
+    let loads = watched(&args.report, quiet, |progress| {
+        Loads::least(&motion, &load, Watch::new(progress))
+    });
+    let loads = loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?;
+    let json = LoadsJson::of(&motion, &loads, &drives);
+    let fits = json.fits.iter().all(|fit| fit.fits);
+    if args.report.json {
+        print_json(&json)?;
+        return Ok(fits);
+    }
+    print_notes(quiet, motion.pattern.assumptions());
+    let named: Vec<String> = json.drivers.iter().map(ToString::to_string).collect();
+    let least = match loads.is_least {
+        true => "of all sets the one whose largest torque is least",
+        false => "no exchange of one driver makes the largest torque less",
+    };
+    let mut text = format!(
+        "{}: {:.4e} Nm at hinge {}, at {:.3} s\n  \
+         drivers  hinges {}: {least}; regularity at least {:.1e}\n",
+        motion.title,
+        json.peak.torque,
+        json.peak.driver,
+        json.peak.at,
+        named.join(", "),
+        json.regularity,
+    );
+    if loads.left_out > 0 {
+        text += &format!(
+            "  {} of {} times are left out, at which the sheet is singular\n",
+            loads.left_out,
+            loads.left_out + loads.times.len()
+        );
+    }
+    for fit in &json.fits {
+        let told = match fit.at {
+            None => outcome(true, "fits"),
+            Some(at) => format!("{} at {at:.3} s", outcome(false, "stalls")),
+        };
+        text += &format!("  {}: {told}\n", fit.drive);
+    }
+    text += "  time, torque of each driver in Nm\n";
+    for (time, torques) in json.times.iter().zip(&json.torques) {
+        let torques: Vec<String> = torques
+            .iter()
+            .map(|torque| format!("{torque:>12.4e}"))
+            .collect();
+        text += &format!("    {time:>9.3}  {}\n", torques.join("  "));
+    }
+    print(&text)?;
+    Ok(fits)
+}
