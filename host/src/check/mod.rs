@@ -148,7 +148,7 @@ pub struct Verdict {
     pub min_clearance: Option<f64>,
     /// Depth up to which an overlap of faces counts as contact, in median edges.
     pub contact_tolerance: f64,
-    /// How thick plates may be, if that is asked for.
+    /// Largest thickness of plates, if that is asked for.
     pub thickest: Option<Thickest>,
     /// Largest speed and acceleration of a hinge.
     pub rates: Rates,

@@ -14,7 +14,7 @@ use core::time::Duration;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 use super::places::{FoldedSheet, Twist};
-use super::{Conditions, NoDerivative, Sensitivity};
+use super::{Conditions, NoDerivative, ROUNDING_RATIO, Sensitivity};
 use crate::folding::STEP;
 use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, FaceId, Unit};
@@ -265,7 +265,12 @@ impl<'a> LoadedMotion<'a> {
                     Ok(at) => {
                         let energy = energy_gradient(&panels, &at, load, metres);
                         let basis = at.null_space.basis;
+                        // What is left of a sheet in balance is rounding.
+                        let rounding = ROUNDING_RATIO * basis.abs().tr_mul(&energy.abs());
                         let forces = basis.tr_mul(&energy);
+                        let forces = forces.zip_map(&rounding, |force, rounding| {
+                            if force.abs() > rounding { force } else { 0.0 }
+                        });
                         return Ok(Moment {
                             time,
                             basis,

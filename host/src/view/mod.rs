@@ -137,7 +137,7 @@ pub struct ScenePlates {
     pub proved: f64,
     /// See `proved`.
     pub refuted: Option<f64>,
-    /// What is proved, and what is in the way of thicker plates.
+    /// Sentence on the largest thickness that is proved, and on the panels that rule out thicker plates.
     pub told: String,
 }
 

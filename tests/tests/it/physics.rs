@@ -479,11 +479,7 @@ fn sheets_of_plates() -> Vec<(&'static str, Drawing)> {
         (
             "map",
             sheet_of(&rectangles(4, 4, 1.0), |ends| {
-                let sign = if (ends[0].y as i64) % 2 == 0 {
-                    1.0
-                } else {
-                    -1.0
-                };
+                let sign = if ends[0].y % 2.0 < 1e-9 { 1.0 } else { -1.0 };
                 if is_upright(ends) {
                     0.0
                 } else {
@@ -494,11 +490,7 @@ fn sheets_of_plates() -> Vec<(&'static str, Drawing)> {
         (
             "accordion",
             sheet_of(&rectangles(8, 1, 2.0), |ends| {
-                let sign = if (ends[0].x as i64) % 2 == 0 {
-                    1.0
-                } else {
-                    -1.0
-                };
+                let sign = if ends[0].x % 2.0 < 1e-9 { 1.0 } else { -1.0 };
                 sign * bent(150.0)(ends)
             }),
         ),

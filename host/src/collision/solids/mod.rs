@@ -286,7 +286,8 @@ impl Plates {
     pub(super) fn room(&self, plate: usize, at: &Vector3<f64>) -> f64 {
         let plate = &self.list[plate];
         let layers = self.heights.windows(2).zip(plate.outlines.windows(2));
-        // How far a corner moves at most from one height to another, over the height: so far moves the border of the section.
+        // Largest distance by which a corner, and with it the border of a section, moves from one height to another, over the
+        // difference of heights.
         let slopes = layers.clone().flat_map(|(heights, outlines)| {
             let corners = outlines[0].iter().zip(&outlines[1]);
             let moved = corners.flat_map(|(a, b)| [b[0] - a[0], b[1] - a[1]]);

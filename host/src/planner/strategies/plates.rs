@@ -81,7 +81,7 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
             if let (Some(_), Reason::PlatesCross { segment, .. }, Some(motion)) =
                 (asked.plates, &reason, &mut best.motion)
             {
-                // What folds in phases goes on from where it is free.
+                // The search for phases takes the end of the motion for the place of the crossing.
                 motion.knots.truncate(segment + 2);
                 motion.phases.retain(|knot| knot <= segment);
             }

@@ -275,7 +275,7 @@ function renderer(canvas) {
     // Faces are pushed back by their change of depth across half the width of a line, so that lines lie on them.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5 * devicePixelRatio, 4);
-    // Of a plate only the outside is seen.
+    // Plates are closed, so that their triangles are seen from outside.
     if (view.thickness) drawFaces(rgb("--front"), rgb("--front"), faceCorners.length, corners.length - faceCorners.length);
     else drawFaces(rgb("--front"), rgb("--back"), 0, faceCorners.length);
     if (view.pair && scene.worst_pair) {
