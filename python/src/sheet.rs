@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use foldpath::pattern::CreasePattern;
+use foldpath::pattern::{CreasePattern, Unit};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
 use foldpath::request::{InputJson, PatternInfo, ReadingRequest, Request, timeout};
@@ -110,6 +110,12 @@ impl Sheet {
     #[getter]
     fn file(&self) -> String {
         self.read.name.display().to_string()
+    }
+
+    /// The unit of lengths, as FOLD names it; `None` if the file tells none.
+    #[getter]
+    fn unit(&self) -> Option<&'static str> {
+        self.read.pattern().unit().map(Unit::name)
     }
 
     /// Repairs and assumptions made while reading, in sentences.

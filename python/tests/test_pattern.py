@@ -198,3 +198,38 @@ def test_a_jacobian_by_something_else_is_refused() -> None:
     pattern = fp.miura(2, 2)
     with pytest.raises(fp.FoldpathError, match="expected angles or vertices, found edges"):
         fp.closure(pattern, np.zeros(len(pattern.edges)), wrt="edges")  # type: ignore[arg-type]
+
+
+def test_a_pattern_is_made_of_arrays_and_saved(tmp_path: Path) -> None:
+    known = fp.read(PATTERNS / "miura-3x3.fold", unit="mm")
+    made = fp.Pattern(
+        vertices=known.vertices,
+        edges=known.edges,
+        letters=known.letters,
+        faces=known.faces,
+        angles=known.goal,
+        unit=known.unit,
+        title="made",
+    )
+    made.save(tmp_path / "made.fold")
+    again = [made, fp.read(tmp_path / "made.fold"), fp.read(made.to_dict()), pickle.loads(pickle.dumps(made))]
+    for pattern in again:
+        assert pattern.title == "made" and pattern.unit == "mm"
+        assert np.array_equal(pattern.vertices, known.vertices)
+        assert np.array_equal(pattern.edges, known.edges)
+        assert pattern.letters == known.letters and pattern.faces == known.faces
+        assert np.allclose(pattern.goal, known.goal, rtol=0, atol=1e-15, equal_nan=True)
+    assert fp.plan(made).outcome == "planned"
+    # Without faces, letters and angles, the reader finds what it can.
+    assert len(fp.Pattern(vertices=known.vertices, edges=known.edges).faces) == 9
+    for arrays, message in [
+        ({"vertices": [1.0, 2.0]}, "vertices: expected two numbers for each"),
+        ({"edges": [[0, 1.5]]}, "edges: expected whole numbers"),
+        ({"angles": [0.0]}, "angles: expected the shape"),
+        ({"edges": [[0, 99]]}, "99"),
+        ({"letters": "M"}, "edges_assignment"),
+    ]:
+        with pytest.raises(fp.FoldpathError, match=message):
+            fp.Pattern(**{"vertices": known.vertices, "edges": known.edges, **arrays})  # type: ignore[arg-type]
+    with pytest.raises(fp.FoldpathError, match="expected a name that ends in .fold"):
+        made.save(tmp_path / "made.json")

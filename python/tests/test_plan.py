@@ -153,3 +153,33 @@ def test_time_out_holds_for_reading_as_well(tmp_path: Path) -> None:
     with subprocess.Popen(["sh", "-c", "sleep 0.6; cat ready.fold > slow.fold"], cwd=tmp_path):
         assert fp.plan(slow, timeout=0.5).outcome == "timeout"
     assert fp.plan(tmp_path / "ready.fold", timeout=0.5).outcome == "planned"
+
+
+def test_goals_and_limits_are_arrays_as_well_as_files() -> None:
+    pattern = fp.miura(3, 3, fold=0.8)
+    hinges = pattern.hinges
+    whole = fp.plan(pattern).motion
+    assert whole is not None and np.array_equal(whole.hinges, hinges)
+    assert np.array_equal(whole.pattern.vertices, pattern.vertices)
+    half = whole.fold_angles[-1].copy()
+    half[hinges] = whole.at(whole.duration / 2)[hinges]
+    planned = fp.plan(pattern, goal=half)
+    assert planned.outcome == "planned" and planned.motion is not None
+    assert np.allclose(planned.motion.fold_angles[-1][hinges], half[hinges], rtol=0, atol=1e-6)
+    # One hinge is driven, and the others are free.
+    driven = np.full(len(pattern.edges), np.nan)
+    driven[hinges[0]] = half[hinges[0]]
+    planned = fp.plan(pattern, goal=driven)
+    assert planned.outcome == "planned" and planned.motion is not None
+    assert np.allclose(planned.motion.fold_angles[-1][hinges], half[hinges], rtol=0, atol=1e-6)
+    there_and_back = fp.plan(pattern, fold=0, via=[whole.fold_angles[-1]])
+    assert there_and_back.outcome == "planned" and there_and_back.motion is not None
+    assert np.nanmax(np.abs(there_and_back.motion.fold_angles)) > 2
+    limits = np.full((len(pattern.edges), 2), np.nan)
+    limits[hinges[0]] = np.radians([-30, 30])
+    limited = fp.plan(pattern, limit=limits)
+    assert limited.outcome != "planned"
+    with pytest.raises(fp.FoldpathError, match="goal: expected the shape"):
+        fp.plan(pattern, goal=half[1:])
+    with pytest.raises(fp.FoldpathError, match="goal: expected finite angles or nan"):
+        fp.plan(pattern, goal=np.where(np.isnan(half), np.inf, half))

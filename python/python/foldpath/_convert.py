@@ -61,6 +61,22 @@ def contiguous(values: ArrayLike, name: str) -> Floats:
         raise FoldpathError(f"{name}: expected numbers: {error}") from None
 
 
+def shaped(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    """Return numbers as :func:`contiguous` does, if they have this shape."""
+    array = contiguous(values, name)
+    if array.shape != shape:
+        raise FoldpathError(f"{name}: expected the shape {shape}, found {array.shape}")
+    return array
+
+
+def degrees(angles: ArrayLike, name: str, edges: int) -> list[float | None]:
+    """Return the angles of some edges (radians) as FOLD has them: in degrees, with ``None`` for nan."""
+    values = np.degrees(shaped(angles, name, (edges,)))
+    if np.isinf(values).any():
+        raise FoldpathError(f"{name}: expected finite angles or nan, found infinity")
+    return [None if math.isnan(value) else value for value in values.tolist()]
+
+
 def _plain(value: Any) -> Any:
     """Return a value that JSON has: numbers of numpy and names of files are converted."""
     if isinstance(value, bool) or value is None or isinstance(value, (int, str)):

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
-from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, options, threads
+from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, options, shaped, threads
 from ._error import FoldpathError
-from ._pattern import Source, content
+from ._pattern import Pattern, Source, content
 
 Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "stl", "mjcf", "joint-trajectory"]
 
@@ -50,6 +50,16 @@ class Motion:
     def fold_angles(self) -> Floats:
         """Fold angles of the edges at the knots: (K, E), nan for edges that are no hinge."""
         return floats(self._path.fold_angles(), self._path.knots, self._path.edge_count)
+
+    @property
+    def pattern(self) -> Pattern:
+        """The crease pattern of the sheet."""
+        return Pattern._of(_foldpath.Sheet.parse(self._path.file, self._path.text().encode(), "{}"))
+
+    @property
+    def hinges(self) -> Integers:
+        """Numbers of the edges that are hinges."""
+        return np.flatnonzero(~np.isnan(self.fold_angles[0])).astype(np.int64)
 
     @property
     def edges(self) -> Integers:
@@ -185,7 +195,7 @@ class Motion:
         Raises :class:`FoldpathError` at singular configurations, as flat, and for changes with which the sheet does not fold.
         """
         count = self._path.vertex_count
-        changes = np.zeros((count, 2)) if vertices is None else _shaped(vertices, "vertices", (count, 2))
+        changes = np.zeros((count, 2)) if vertices is None else shaped(vertices, "vertices", (count, 2))
         driven = np.zeros(len(self.drivers(t))) if drivers is None else contiguous(drivers, "drivers")
         if driven.shape != (len(self.drivers(t)),):
             raise FoldpathError(f"drivers: expected {len(self.drivers(t))} numbers, found the shape {driven.shape}")
@@ -202,8 +212,8 @@ class Motion:
         still folds. Raises :class:`FoldpathError` at singular configurations.
         """
         count = self._path.vertex_count
-        by_angles = b"" if angles is None else _shaped(angles, "angles", (self._path.edge_count,)).tobytes()
-        by_vertices = b"" if vertices is None else _shaped(vertices, "vertices", (count, 3)).tobytes()
+        by_angles = b"" if angles is None else shaped(angles, "angles", (self._path.edge_count,)).tobytes()
+        by_vertices = b"" if vertices is None else shaped(vertices, "vertices", (count, 3)).tobytes()
         flat, drivers = self._path.vjp(float(t), by_angles, by_vertices)
         return floats(flat, -1, 2), floats(drivers, -1)
 
@@ -217,13 +227,6 @@ class Motion:
 
     def __repr__(self) -> str:
         return f"<foldpath.Motion {self.title!r}: {self._path.knots} knots, {self.duration:.3f} s>"
-
-
-def _shaped(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
-    array = contiguous(values, name)
-    if array.shape != shape:
-        raise FoldpathError(f"{name}: expected the shape {shape}, found {array.shape}")
-    return array
 
 
 def _check_times(times: Floats) -> None:

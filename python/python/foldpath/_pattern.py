@@ -5,14 +5,16 @@ from __future__ import annotations
 import inspect
 import io
 import json
+import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Union
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
-from ._convert import File, Floats, Integers, contiguous, floats, integers, options, to_json
+from ._convert import File, Floats, Integers, contiguous, degrees, floats, integers, options, to_json
 from ._error import FoldpathError
 
 if TYPE_CHECKING:
@@ -31,8 +33,57 @@ class Pattern:
     __slots__ = ("_sheet",)
     _sheet: _foldpath.Sheet
 
-    def __init__(self, sheet: _foldpath.Sheet) -> None:
-        self._sheet = sheet
+    def __init__(
+        self,
+        *,
+        vertices: ArrayLike,
+        edges: ArrayLike,
+        letters: Sequence[str] | None = None,
+        faces: Iterable[Iterable[int]] | None = None,
+        angles: ArrayLike | None = None,
+        unit: str | None = None,
+        title: str = "pattern",
+    ) -> None:
+        """Make a pattern from arrays, as :func:`read` does from a FOLD file.
+
+        - ``vertices``: Positions in the flat sheet: (V, 2)
+        - ``edges``: Vertices of the edges: (E, 2)
+        - ``letters``: FOLD's letter of each edge: M, V, B, F, U, C or J. Without letters, angles tell them
+        - ``faces``: Vertices of each panel, counter-clockwise; found by itself if left out
+        - ``angles``: Goal angle of each edge, radians, valley positive: (E,), nan where there is none
+        - ``unit``: Unit of lengths: nm, um, mm, cm, m, in or pt
+
+        Raises :class:`FoldpathError` if the arrays are no crease pattern.
+        """
+        places, ends = contiguous(vertices, "vertices"), contiguous(edges, "edges")
+        for name, array in (("vertices", places), ("edges", ends)):
+            if array.ndim != 2 or array.shape[1] != 2:
+                raise FoldpathError(f"{name}: expected two numbers for each, found the shape {array.shape}")
+        numbers = ends.astype(np.int64, copy=True) if np.isfinite(ends).all() else None
+        if numbers is None or (numbers != ends).any():
+            raise FoldpathError("edges: expected whole numbers")
+        told: dict[str, Any] = {
+            "file_spec": 1.2,
+            "file_title": title,
+            "frame_classes": ["creasePattern"],
+            "vertices_coords": places,
+            "edges_vertices": numbers,
+        }
+        if letters is not None:
+            told["edges_assignment"] = list(letters)
+        if faces is not None:
+            told["faces_vertices"] = [[operator.index(vertex) for vertex in face] for face in faces]
+        if angles is not None:
+            told["edges_foldAngle"] = degrees(angles, "angles", len(numbers))
+        if unit is not None:
+            told["frame_unit"] = unit
+        self._sheet = _foldpath.Sheet.parse("<arrays>", to_json(told).encode(), "{}")
+
+    @classmethod
+    def _of(cls, sheet: _foldpath.Sheet) -> Pattern:
+        pattern = cls.__new__(cls)
+        pattern._sheet = sheet
+        return pattern
 
     @property
     def title(self) -> str:
@@ -43,6 +94,11 @@ class Pattern:
     def file(self) -> str:
         """The name of the file."""
         return self._sheet.file
+
+    @property
+    def unit(self) -> str | None:
+        """The unit of lengths, as FOLD names it; ``None`` if the file tells none."""
+        return self._sheet.unit
 
     @property
     def notes(self) -> list[str]:
@@ -92,6 +148,31 @@ class Pattern:
         described: dict[str, Any] = json.loads(self._sheet.info(timeout))
         return described
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the pattern in the form of FOLD, with vertices, edges, letters, panels and goal angles."""
+        told: dict[str, Any] = {
+            "file_spec": 1.2,
+            "file_creator": "foldpath",
+            "file_title": self.title,
+            "frame_classes": ["creasePattern"],
+            "vertices_coords": self.vertices.tolist(),
+            "edges_vertices": self.edges.tolist(),
+            "edges_assignment": self.letters,
+            "faces_vertices": self.faces,
+        }
+        if self.unit is not None:
+            told["frame_unit"] = self.unit
+        goal = degrees(self.goal, "goal", len(self.edges))
+        if any(angle is not None for angle in goal):
+            told["edges_foldAngle"] = goal
+        return told
+
+    def save(self, file: File) -> None:
+        """Write the pattern as a FOLD file. It is written whole or not at all."""
+        if not os.fsdecode(file).lower().endswith(".fold"):
+            raise FoldpathError(f"{os.fsdecode(file)}: expected a name that ends in .fold")
+        _foldpath.write_text(file, to_json(self.to_dict()))
+
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, self._sheet.source()
 
@@ -102,7 +183,7 @@ class Pattern:
 
 def _again(name: str, data: bytes, reading: str) -> Pattern:
     """Make a pattern again that was pickled."""
-    return Pattern(_foldpath.Sheet.parse(name, data, reading))
+    return Pattern._of(_foldpath.Sheet.parse(name, data, reading))
 
 
 def read(
@@ -150,8 +231,8 @@ def read(
     given.pop("source")
     reading = options(given)
     if isinstance(source, (str, os.PathLike)):
-        return Pattern(_foldpath.Sheet.read(source, reading))
-    return Pattern(_foldpath.Sheet.parse("<bytes>", content(source), reading))
+        return Pattern._of(_foldpath.Sheet.read(source, reading))
+    return Pattern._of(_foldpath.Sheet.parse("<bytes>", content(source), reading))
 
 
 #: Names of the options of :func:`read`.
@@ -204,7 +285,7 @@ def closure(
 
 
 def _family(family: str, parameters: Mapping[str, Any]) -> Pattern:
-    return Pattern(_foldpath.Sheet.generate(to_json({"family": family, **parameters})))
+    return Pattern._of(_foldpath.Sheet.generate(to_json({"family": family, **parameters})))
 
 
 # The families, made of the table in host/src/request/families.rs.

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import tempfile
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, Literal, Union
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from . import _foldpath
-from ._convert import File, is_forked, options, threads
+from ._convert import File, degrees, is_forked, options, shaped, threads, to_json
 from ._motion import Motion
 from ._pattern import READING, Pattern, Source, read
 
@@ -69,10 +76,10 @@ def _again(outcome: str, reason: str | None, text: str, motion: Motion | None) -
 def plan(
     pattern: Union[Pattern, Source],
     *,
-    goal: File | None = None,
+    goal: File | ArrayLike | None = None,
     fold: float | None = None,
     crease: Mapping[int, float] | Iterable[str] | str | None = None,
-    via: Iterable[File] | File | None = None,
+    via: Iterable[File | ArrayLike] | File | None = None,
     order: str | None = None,
     orders: int | None = None,
     goal_tolerance: float = 1.0,
@@ -81,7 +88,7 @@ def plan(
     panels: Literal["taper", "inset"] = "taper",
     gap: float = 0.0,
     margin: float = 0.0,
-    limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | None = None,
+    limit: Mapping[int, tuple[float, float]] | Iterable[str] | str | NDArray[np.float64] | None = None,
     keep: bool = False,
     symmetry: Literal["auto", "off"] = "auto",
     vertices: Literal["essential", "all"] = "essential",
@@ -113,7 +120,9 @@ def plan(
     """Find a path from the flat sheet to a goal.
 
     Every option is that of ``foldpath plan``, by its name and in its units: degrees and seconds. ``crease`` may be a
-    dictionary from edges to degrees, ``limit`` one from edges to ranges of degrees. ``tolerance``, ``straighten`` and
+    dictionary from edges to degrees, ``limit`` one from edges to ranges of degrees. In place of files, ``goal`` and the
+    members of ``via`` may be arrays of the fold angle of each edge in radians, (E,), nan where it is free; ``limit`` may be one
+    of the lower and the upper angle of each edge, (E, 2), nan where there is none. ``tolerance``, ``straighten`` and
     ``colors`` are for patterns that are yet to be read. ``keep`` changes nothing here: ``motion`` is always the path as
     far as it goes.
 
@@ -207,6 +216,36 @@ def plan(
     if not isinstance(pattern, Pattern):
         reading = {name: given.pop(name) for name in READING}
         pattern = read(pattern, **{name: value for name, value in reading.items() if value is not None})
-    answer = _foldpath.plan(pattern._sheet, options(given), reads, threads(jobs), is_forked())
+    with contextlib.ExitStack() as files:
+        _store(pattern, given, files)
+        answer = _foldpath.plan(pattern._sheet, options(given), reads, threads(jobs), is_forked())
     path = answer.path()
     return Plan(answer.outcome, answer.reason, answer.json, None if path is None else Motion(path))
+
+
+def _is_file(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike))
+
+
+def _store(pattern: Pattern, given: dict[str, Any], files: contextlib.ExitStack) -> None:
+    """Put goals that are arrays into files, which are there until ``files`` is closed, and limits into a dictionary."""
+    edges = len(pattern.edges)
+
+    def stored(angles: Any, name: str) -> File:
+        if _is_file(angles):
+            named: File = angles
+            return named
+        file = Path(files.enter_context(tempfile.TemporaryDirectory()), f"{name}.fold")
+        told = {**pattern.to_dict(), "edges_foldAngle": degrees(angles, name, edges)}
+        file.write_text(to_json(told), encoding="utf-8")
+        return file
+
+    if given["goal"] is not None:
+        given["goal"] = stored(given["goal"], "goal")
+    if given["via"] is not None and not _is_file(given["via"]):
+        given["via"] = [stored(angles, f"via{number}") for number, angles in enumerate(given["via"])]
+    if isinstance(given["limit"], np.ndarray):
+        limits = np.degrees(shaped(given["limit"], "limit", (edges, 2)))
+        ends = np.where(np.isnan(limits), [-180.0, 180.0], limits)
+        limited = np.flatnonzero(~np.isnan(limits).all(axis=1))
+        given["limit"] = {int(edge): tuple(ends[edge]) for edge in limited}

@@ -85,10 +85,14 @@ mod python {
             Kind::Count => "int".into(),
             Kind::Flag => "bool".into(),
             Kind::Names(all) => names(all),
-            Kind::File if info.is_repeated => "Iterable[File] | File".into(),
-            Kind::File => "File".into(),
+            // Files of fold angles, which may be arrays here.
+            Kind::File if info.is_repeated => "Iterable[File | ArrayLike] | File".into(),
+            Kind::File => "File | ArrayLike".into(),
             Kind::EdgeAngle => "Mapping[int, float] | Iterable[str] | str".into(),
-            Kind::EdgeRange => "Mapping[int, tuple[float, float]] | Iterable[str] | str".into(),
+            Kind::EdgeRange => {
+                "Mapping[int, tuple[float, float]] | Iterable[str] | str | NDArray[np.float64]"
+                    .into()
+            }
             Kind::NumberOrName => "float | str".into(),
             _ => String::from("str"),
         };
