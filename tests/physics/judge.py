@@ -13,7 +13,7 @@ object.
                               drawings, and the number of entities of each layer
 
 FOLDER has the model (scene.xml and meshes) and motion.csv, the angles of all hinges in degrees at a fixed rate; for `shop` it
-has the STL and DXF files.
+has folders 0, 1 and so on with STL and DXF files.
 """
 
 import collections
@@ -78,25 +78,25 @@ def loads(folder):
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     # Layers that lie on each other hold each other; the torques asked for leave that out.
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    answer = []
-    for gravity in asked["gravities"]:
-        model.opt.gravity[:] = gravity
-        answer.append([])
-        for row in table:
-            data.qpos[addresses] = row
-            data.qvel[:] = 0.0
-            data.qacc[:] = 0.0
-            data.ctrl[:] = 0.0
+    answer = [[] for _ in asked["gravities"]]
+    for row in table:
+        data.qpos[addresses] = row
+        data.qvel[:] = 0.0
+        data.qacc[:] = 0.0
+        data.ctrl[:] = 0.0
+        mujoco.mj_inverse(model, data)
+        loops = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        jacobian = data.efc_J[: data.nefc * model.nv].reshape(data.nefc, model.nv)[loops]
+        free = numpy.eye(model.nv)
+        if len(jacobian):
+            _, values, rows = numpy.linalg.svd(jacobian)
+            free = rows[int((values > 1e-6 * values.max()).sum()) :].T
+        assert free.shape[1] == len(drivers), (free.shape, len(drivers))
+        motions = free @ numpy.linalg.inv(free[drivers])
+        for gravity, of_gravity in zip(asked["gravities"], answer):
+            model.opt.gravity[:] = gravity
             mujoco.mj_inverse(model, data)
-            loops = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-            jacobian = data.efc_J[: data.nefc * model.nv].reshape(data.nefc, model.nv)[loops]
-            free = numpy.eye(model.nv)
-            if len(jacobian):
-                _, values, rows = numpy.linalg.svd(jacobian)
-                free = rows[int((values > 1e-6 * values.max()).sum()) :].T
-            assert free.shape[1] == len(drivers), (free.shape, len(drivers))
-            motions = free @ numpy.linalg.inv(free[drivers])
-            answer[-1].append((motions.T @ data.qfrc_inverse).tolist())
+            of_gravity.append((motions.T @ data.qfrc_inverse).tolist())
     return answer
 
 
@@ -145,6 +145,10 @@ def drake(folder):
 
 
 def shop(folder):
+    return [shop_of(folder / str(sheet)) for sheet in range(len(list(folder.iterdir())))]
+
+
+def shop_of(folder):
     import ezdxf
     import trimesh
 

@@ -265,7 +265,7 @@ impl<'a> LoadedMotion<'a> {
                     Ok(at) => {
                         let energy = energy_gradient(&panels, &at, load, metres);
                         let basis = at.null_space.basis;
-                        // What is left of a sheet in balance is rounding.
+                        // The torques of a sheet in balance are 0 but for rounding.
                         let rounding = ROUNDING_RATIO * basis.abs().tr_mul(&energy.abs());
                         let forces = basis.tr_mul(&energy);
                         let forces = forces.zip_map(&rounding, |force, rounding| {
