@@ -413,8 +413,8 @@ impl Display for Note {
                 thickness,
             } => write!(
                 f,
-                "at the goal itself panels {a} and {b}, {thickness} thick, are {depth:.3} in each other: no order of folds leads \
-                 there; panels that lie on each other have to be drawn a thickness apart"
+                "at the goal itself panels {a} and {b}, {thickness} thick, are {depth:.3} in each other, so that no other order \
+                 of folds was tried; panels that lie on each other have to be drawn a thickness apart"
             ),
             Self::TurnedFreely { mountains, valleys } => {
                 f.write_str(

@@ -389,8 +389,8 @@ fn notes_are_sentences() {
                 depth: 0.42,
                 thickness: 1.5,
             },
-            "at the goal itself panels 3 and 8, 1.5 thick, are 0.420 in each other: no order of folds leads there; panels \
-             that lie on each other have to be drawn a thickness apart",
+            "at the goal itself panels 3 and 8, 1.5 thick, are 0.420 in each other, so that no other order of folds was \
+             tried; panels that lie on each other have to be drawn a thickness apart",
         ),
         (
             Note::TurnedFreely {
