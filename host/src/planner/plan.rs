@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use super::messages::percent;
 use super::reason::{Note, Reason, Undecided};
-use crate::collision::{Clearance, Crossing, SweepCounts, TooThick};
+use crate::collision::{Clearance, Crossing, SweepCounts};
 use crate::folding::Rigidity;
 use crate::motion::{self, Motion, PLANNED};
 use crate::pattern::{CreaseId, FaceId};
@@ -392,20 +392,6 @@ impl Plan {
     pub(super) fn knows_plates(&self) -> bool {
         let reason = self.reason.as_ref();
         reason.is_some_and(|it| matches!(it, Reason::PlatesCross { .. } | Reason::PlatesNotMade(_)))
-    }
-
-    /// Returns a thickness, units of the sheet, at which plates pass through each other on the motion, if one is known.
-    pub(super) fn plates_cross_at(&self) -> Option<f64> {
-        if let Some(Reason::PlatesCross { thickness, .. }) = self.reason {
-            return Some(thickness);
-        }
-        self.notes.iter().find_map(|note| match note {
-            Note::Thickest(found) => match found.refuted? {
-                (thickness, TooThick::Cross(..)) => Some(thickness),
-                _ => None,
-            },
-            _ => None,
-        })
     }
 
     /// Returns the number of phases of the motion that are at their end; the last knot counts, too, if a phase ends there.

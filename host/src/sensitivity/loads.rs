@@ -12,6 +12,7 @@
 use core::time::Duration;
 
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
+use thiserror::Error;
 
 use super::places::{FoldedSheet, Twist};
 use super::{Conditions, NoDerivative, ROUNDING_RATIO, Sensitivity};
@@ -89,17 +90,20 @@ pub struct Peak {
 }
 
 /// Reason why there is no answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NoLoads {
     /// The pattern has no unit of length.
+    #[error("the file tells no unit of length, and torques need one")]
     NoUnit,
     /// The pattern is in several pieces.
+    #[error("expected a sheet in one piece, found {sheets}")]
     Pieces {
         /// Their number.
         sheets: usize,
     },
     /// There is no such face.
+    #[error("face {face} does not exist, expected 0 to {}", faces.saturating_sub(1))]
     NoFace {
         /// The number that was given.
         face: FaceId,
@@ -107,12 +111,16 @@ pub enum NoLoads {
         faces: usize,
     },
     /// The sheet has too many creases to number their products.
+    #[error("the sheet has too many creases")]
     TooLarge,
     /// No hinge turns.
+    #[error("no hinge turns")]
     Still,
     /// The caller cancelled the call.
+    #[error("the call was cancelled")]
     Cancelled,
     /// The motion does not close, or is singular all along.
+    #[error("at {time:.3} s, {cause}")]
     NoMotion {
         /// The time, seconds.
         time: f64,
@@ -120,6 +128,10 @@ pub enum NoLoads {
         cause: NoDerivative,
     },
     /// The sheet has more degrees of freedom at one time than at another.
+    #[error(
+        "the degrees of freedom change: {} at {:.3} s, {} at {:.3} s; no set of drivers serves both",
+        freedom[0], times[0], freedom[1], times[1]
+    )]
     FreedomChanges {
         /// Degrees of freedom at both times.
         freedom: [usize; 2],
@@ -127,41 +139,12 @@ pub enum NoLoads {
         times: [f64; 2],
     },
     /// No set of hinges drives the sheet over the whole motion.
+    #[error("no set of {size} hinges drives the sheet over the whole motion")]
     NoDrivers {
         /// The size of a set.
         size: usize,
     },
 }
-
-impl core::fmt::Display for NoLoads {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::NoUnit => write!(f, "the file tells no unit of length, and torques need one"),
-            Self::Pieces { sheets } => write!(f, "expected a sheet in one piece, found {sheets}"),
-            Self::NoFace { face, faces } => {
-                let last = faces.saturating_sub(1);
-                write!(f, "face {face} does not exist, expected 0 to {last}")
-            }
-            Self::TooLarge => write!(f, "the sheet has too many creases"),
-            Self::Still => write!(f, "no hinge turns"),
-            Self::Cancelled => write!(f, "the call was cancelled"),
-            Self::NoMotion { time, cause } => write!(f, "at {time:.3} s, {cause}"),
-            Self::FreedomChanges { freedom, times } => write!(
-                f,
-                "the degrees of freedom change: {} at {:.3} s, {} at {:.3} s; no set of drivers serves both",
-                freedom[0], times[0], freedom[1], times[1]
-            ),
-            Self::NoDrivers { size } => {
-                write!(
-                    f,
-                    "no set of {size} hinges drives the sheet over the whole motion"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for NoLoads {}
 
 impl Loads {
     /// Finds the drivers whose largest torque over a motion is least.

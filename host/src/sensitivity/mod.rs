@@ -44,6 +44,7 @@ mod places;
 mod tolerance;
 
 use nalgebra::{DMatrix, Vector2, Vector3};
+use thiserror::Error;
 
 pub use conditions::Conditions;
 use conditions::{Linearised, NormalFactor, magnitude, times, transposed};
@@ -113,20 +114,28 @@ pub struct Gradient {
 }
 
 /// Reason why there is no derivative.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NoDerivative {
     /// The configuration is not closed, and no closed one is close by.
+    #[error("the configuration does not close (residual {residual:.1e})")]
     Open {
         /// Largest closure residual.
         residual: f64,
     },
     /// More motions keep closure to first order than at configurations close by.
+    #[error(
+        "the configuration is singular (smallest singular value {value:.1e}): the drivers do not determine the other hinges \
+         there, as in the flat sheet"
+    )]
     Singular {
         /// The smallest singular value of the Jacobian that is not 0 close by.
         value: f64,
     },
     /// The change leads to a pattern that does not fold.
+    #[error(
+        "the changed pattern does not fold: of its effect on closure, {of:.1e} radians, {residual:.1e} are left"
+    )]
     LeavesFoldability {
         /// Norm of what no motion takes up, radians.
         residual: f64,
@@ -134,30 +143,6 @@ pub enum NoDerivative {
         of: f64,
     },
 }
-
-impl core::fmt::Display for NoDerivative {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Open { residual } => {
-                write!(
-                    f,
-                    "the configuration does not close (residual {residual:.1e})"
-                )
-            }
-            Self::Singular { value } => write!(
-                f,
-                "the configuration is singular (smallest singular value {value:.1e}): the drivers do not determine the \
-                 other hinges there, as in the flat sheet"
-            ),
-            Self::LeavesFoldability { residual, of } => write!(
-                f,
-                "the changed pattern does not fold: of its effect on closure, {of:.1e} radians, {residual:.1e} are left"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for NoDerivative {}
 
 /// A closed configuration with its conditions.
 struct Closing<'c> {

@@ -25,6 +25,7 @@ use foldpath_core::{HalfAngle, Rotation};
 use foldpath_linear::cholesky::Factor;
 use foldpath_linear::gram::GramStructure;
 use nalgebra::{Matrix5, Vector2, Vector3, Vector5};
+use thiserror::Error;
 
 use super::conditions::{Conditions, Linearised};
 use super::{Closing, NoDerivative};
@@ -123,16 +124,20 @@ pub struct Tolerance {
 }
 
 /// Reason why there is no answer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NoTolerance {
     /// No hinge is ever folded by [`FROM_DEG`].
+    #[error("no hinge is folded by {FROM_DEG} degrees at any time")]
     Flat,
     /// The sheet has too many creases to number their products.
+    #[error("the sheet has too many creases")]
     TooLarge,
     /// The caller cancelled the call.
+    #[error("the call was cancelled")]
     Cancelled,
     /// The motion does not close.
+    #[error("at {time:.3} s, {cause}")]
     Open {
         /// The time, seconds.
         time: f64,
@@ -140,19 +145,6 @@ pub enum NoTolerance {
         cause: NoDerivative,
     },
 }
-
-impl core::fmt::Display for NoTolerance {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Flat => write!(f, "no hinge is folded by {FROM_DEG} degrees at any time"),
-            Self::TooLarge => write!(f, "the sheet has too many creases"),
-            Self::Cancelled => write!(f, "the call was cancelled"),
-            Self::Open { time, cause } => write!(f, "at {time:.3} s, {cause}"),
-        }
-    }
-}
-
-impl core::error::Error for NoTolerance {}
 
 impl Tolerance {
     /// Judges a motion.

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use foldpath::motion::{GroupNaming, Knot, Motion};
 use foldpath::pattern::{CreaseId, CreasePattern, Drawing, DrawnEdge, FaceId, Letter, Unit};
-use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath::progress::{Progress, Watch};
 use foldpath::read::read_pattern;
 use foldpath::sensitivity::{Drive, Load, Loads, NoLoads, REGULAR};
@@ -14,7 +13,7 @@ use foldpath_tests::linkage::Linkage;
 use foldpath_tests::pattern_file;
 use nalgebra::{DMatrix, Vector2};
 
-use crate::sensitivity::{miura, pattern};
+use crate::sensitivity::{miura, pattern, planned};
 
 /// Difference of a torque from that of energies, over the largest torque.
 const EQUAL: f64 = 1e-5;
@@ -33,10 +32,7 @@ struct Case {
 
 impl Case {
     fn new(name: &'static str, pattern: CreasePattern) -> Self {
-        let goal = Goal::of_pattern(&pattern).unwrap();
-        let plan = plan(&pattern, &goal, &PlanOptions::default());
-        assert_eq!(plan.outcome, Outcome::Planned, "{name}");
-        let mut motion = plan.motion.unwrap();
+        let mut motion = planned(name, &pattern);
         motion.measured_in(Unit::Centimetre);
         let linkage = Linkage::of(&pattern);
         Self {

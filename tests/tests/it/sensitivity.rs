@@ -1,8 +1,9 @@
 //! Judges derivatives along motions by configurations that are closed anew, by the linkage of `tests/src/linkage.rs`.
 
 use foldpath::generate::{Miura, Quad, Waterbomb, Yoshimura};
+use foldpath::motion::Motion;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
-use foldpath::planner::{Goal, PlanOptions, plan};
+use foldpath::planner::{Goal, Outcome, PlanOptions, plan};
 use foldpath::read::read_pattern;
 use foldpath::sensitivity::{Conditions, NoDerivative, Sensitivity};
 use foldpath_tests::linkage::Linkage;
@@ -13,6 +14,14 @@ use nalgebra::{Vector2, Vector3};
 const EQUAL: f64 = 1e-6;
 /// Step of central differences: rounding over it and its square are both far below [`EQUAL`].
 const STEP: f64 = 1e-5;
+
+/// Plans a sheet that folds to its goal.
+pub(crate) fn planned(name: &str, pattern: &CreasePattern) -> Motion {
+    let goal = Goal::of_pattern(pattern).unwrap();
+    let plan = plan(pattern, &goal, &PlanOptions::default());
+    assert_eq!(plan.outcome, Outcome::Planned, "{name}");
+    plan.motion.unwrap()
+}
 
 /// A sheet at a closed configuration.
 pub(crate) struct Case {

@@ -13,7 +13,7 @@ use foldpath_tests::linkage::Linkage;
 use foldpath_tests::{Random, pattern_file};
 use nalgebra::Vector2;
 
-use crate::sensitivity::{miura, pattern};
+use crate::sensitivity::{miura, pattern, planned};
 
 /// Error of each coordinate, median edges.
 const ERROR_EDGES: f64 = 1e-4;
@@ -35,10 +35,7 @@ struct Case {
 
 impl Case {
     fn new(name: &'static str, pattern: CreasePattern) -> Self {
-        let goal = Goal::of_pattern(&pattern).unwrap();
-        let plan = plan(&pattern, &goal, &PlanOptions::default());
-        assert_eq!(plan.outcome, Outcome::Planned, "{name}");
-        let motion = plan.motion.unwrap();
+        let motion = planned(name, &pattern);
         Self {
             name,
             linkage: Linkage::of(&pattern),

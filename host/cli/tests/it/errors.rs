@@ -601,7 +601,9 @@ fn sources(folder: &Path, found: &mut Vec<String>) {
 }
 
 /// Errors whose format has no words of its own, each with a part of its text in some snapshot.
-const WORDLESS: [(&str, &str); 15] = [
+const WORDLESS: [(&str, &str); 17] = [
+    ("NoMotion", "at 0.000 s, the configuration does not close"),
+    ("Open", "at 1.500 s, the configuration does not close"),
     ("PlatesNotMade", "plates turn by at most 170"),
     ("Io", "missing.fold: No such file or directory"),
     ("Expected", "expected a string, found 5"),

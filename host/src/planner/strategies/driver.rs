@@ -480,8 +480,9 @@ fn plan_until(
         best
     });
     list_own_order(&asked, &mut best);
-    judge_plates(&asked, &mut best);
-    fold_plates_in_phases(&context, &mut best, &mut attempts);
+    if let Some(thickness) = judge_plates(&asked, &mut best) {
+        fold_plates_in_phases(&context, thickness, &mut best, &mut attempts);
+    }
     best.effort.times = stage_times.times();
     if best.outcome == Outcome::Planned
         && let Some(&question) = best.undecided.first()
@@ -514,14 +515,16 @@ fn plan_until(
     best
 }
 
-/// Looks for phases in which plates do not pass through each other that do so on the motion of the thin sheet, if each hinge
-/// turns freely. If the largest thickness is asked for, they have to be nearly as thick as the goal allows.
-fn fold_plates_in_phases(context: &Context<'_>, best: &mut Plan, attempts: &mut Vec<Attempt>) {
+/// Looks for phases in which plates do not pass through each other that do so at this thickness (units of the sheet) on the
+/// motion of the thin sheet, if each hinge turns freely. If the largest thickness is asked for, they have to be nearly as thick as the goal allows.
+fn fold_plates_in_phases(
+    context: &Context<'_>,
+    crosses_at: f64,
+    best: &mut Plan,
+    attempts: &mut Vec<Attempt>,
+) {
     let asked = context.problem;
     let is_max = best.max_thickness.is_some();
-    let Some(crosses_at) = best.plates_cross_at() else {
-        return;
-    };
     if asked.options.search != Search::Auto || !turns_freely(asked.pattern) {
         return;
     }

@@ -18,13 +18,14 @@ use crate::progress::Stage;
 
 /// Looks for crossings of the plates that are asked for on the motion of a plan, or finds how thick they may be. Corners that
 /// are in the way are cut off. The answer is no longer `Planned` if plates cross, cannot be made, or are not decided.
-pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
+/// Returns a thickness, units of the sheet, at which they cross, if one is known.
+pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) -> Option<f64> {
     let (Some(request), Some(motion)) = (&asked.options.plates, &best.motion) else {
-        return;
+        return None;
     };
     if best.outcome != Outcome::Planned {
         best.notes.push(Note::PlatesNotJudged);
-        return;
+        return None;
     }
     let segments = 0..motion.segments();
     let judge = Judge {
@@ -54,6 +55,7 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
         let is_free = matches!(cut.answer, Answer::Verdict(SweepVerdict::Free(_)));
         if is_free { cut } else { whole }
     });
+    let crosses_at = judged.crosses_at();
     let corners_cut = Note::CornersCut(judged.corners_cut);
     if judged.corners_cut > 0 && !best.notes.contains(&corners_cut) {
         best.notes.push(corners_cut);
@@ -88,6 +90,7 @@ pub(super) fn judge_plates(asked: &PlanningProblem<'_>, best: &mut Plan) {
             (best.outcome, best.reason) = (outcome, Some(reason));
         }
     }
+    crosses_at
 }
 
 /// Returns plates of this thickness as asked for, with corners cut off where the goal asks for it, for motions on which no hinge
@@ -119,6 +122,18 @@ struct Judged {
 }
 
 impl Judged {
+    /// Returns a thickness at which plates are known to pass through each other.
+    fn crosses_at(&self) -> Option<f64> {
+        match self.answer {
+            Answer::Verdict(SweepVerdict::Crossing { .. }) => Some(self.plates.thickness),
+            Answer::Thickest(Thickest {
+                refuted: Some((thickness, TooThick::Cross(..))),
+                ..
+            }) => Some(thickness),
+            _ => None,
+        }
+    }
+
     /// Returns the outcome and the reason if the answer is no, or not known.
     fn no(&self) -> Option<(Outcome, Reason)> {
         let thickness = self.plates.thickness;
