@@ -18,7 +18,7 @@ impl GroupId {
 }
 
 /// Membership of a crease in a group: the group and the sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Membership {
     /// The group whose angle the crease follows.
     pub group: GroupId,

@@ -11,6 +11,7 @@ use foldpath::export::fold::motion_text;
 use foldpath::export::svg_pattern::Colour;
 use foldpath::export::{ExportOptions, Format, Source};
 use foldpath::generate::Miura;
+use foldpath::lattice::Lattice;
 use foldpath::motion::{Motion, PlateOptions, PlateSides};
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
 use foldpath::planner::{Goal, Outcome, PlanOptions, PlateRequest, Reason, plan};
@@ -290,6 +291,29 @@ fn corners_that_are_in_the_way_are_cut_off() {
         matches!(failures[..], [Failure::PlatesCross { .. }]),
         "{failures:?}"
     );
+}
+
+/// Neighbours touch at each hinge, so that a lattice tells of plates only what it tells of a sheet that is not torn: their motion
+/// closes as nearly as that takes.
+#[test]
+fn plates_keep_to_their_lattice() {
+    let sheet = foldpath::generate::Waterbomb {
+        rows: 8,
+        columns: 10,
+        fold: 0.4,
+    };
+    let pattern = CreasePattern::new(sheet.drawing().unwrap()).unwrap();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let thin = plan(&pattern, &goal, &PlanOptions::default());
+    let options = with_plates(PlateRequest::given(PlateOptions::of_thickness(0.05)));
+    let thick = plan(&pattern, &goal, &options);
+    let off = [&thin, &thick].map(|plan| {
+        let motion = plan.motion.as_ref().unwrap();
+        let lattice = Lattice::find(&pattern, &motion.memberships()).unwrap();
+        lattice.lattice_deviation(&pattern, plan.certified_closure().unwrap())
+    });
+    assert_eq!(thick.outcome, Outcome::Planned);
+    assert!(off[0] > 1e-5 && off[1] <= 1e-6, "{off:?}");
 }
 
 /// Every export of plates is a whole file, and each mesh is closed: each side of a triangle belongs to one other triangle.

@@ -32,7 +32,7 @@ pub(in crate::collision) struct Solid {
     facets: Vec<(Vec<u32>, Vector3<f64>)>,
     /// For each corner of the part, the number of the point that is its vertex; `None` if the material stays back from it.
     apexes: Vec<Option<u32>>,
-    /// For each corner, the points that are next to it: the solid lies in the cone that they span from its vertex.
+    /// For each corner with an apex, points of which directions from it span a cone that has the solid.
     next_to: Vec<Vec<u32>>,
     /// `true` if facets and edges are those of the solid without exception.
     pub(in crate::collision) is_exact: bool,
@@ -109,11 +109,30 @@ impl Solid {
                 .flat_map(|k| &columns[of_corner[k].clone()]);
             let near: Vec<u32> = near.flatten().copied().collect();
             solid.apexes.push(apex);
-            solid.next_to.push(near);
+            solid
+                .next_to
+                .push(apex.map_or_else(Vec::new, |apex| solid.rays(apex, near)));
         }
         let [low, high] = [plates.heights[0], plates.heights[layers - 1]];
         solid.height = high - low;
         solid
+    }
+
+    /// Returns those of the points near an apex that lie on the edges of the cone that they span from it.
+    fn rays(&self, apex: u32, near: Vec<u32>) -> Vec<u32> {
+        let mut points: Vec<u32> = Vec::with_capacity(near.len());
+        let mut along = Vec::with_capacity(near.len());
+        for point in near {
+            let away = self.points[point as usize] - self.points[apex as usize];
+            if let Some(away) = away.try_normalize(0.0)
+                && !points.contains(&point)
+            {
+                points.push(point);
+                along.push(away);
+            }
+        }
+        let edges = edges_of_cone(&along).into_iter();
+        edges.map(|ray| points[ray]).collect()
     }
 
     /// Returns the number of a point, which is added if it is new.
@@ -468,6 +487,40 @@ pub(super) fn cone_separation_up_to(
     best
 }
 
+/// Returns the numbers of those of the unit directions which are edges of the convex cone that all of them span, so that they
+/// span it alone; all numbers if the cone holds a line. Cost: O(n^3) for n directions.
+fn edges_of_cone(rays: &[Vector3<f64>]) -> Vec<usize> {
+    let all = 0..rays.len();
+    let mut is_edge = vec![false; rays.len()];
+    for b in all.clone() {
+        for a in all.clone().filter(|a| *a != b) {
+            let Some(normal) = rays[a].cross(&rays[b]).try_normalize(SAME_SINE) else {
+                if rays[a].dot(&rays[b]) < 0.0 {
+                    return all.collect();
+                }
+                continue;
+            };
+            // The two are edges of a facet if no other ray is beyond the facet's plane nor, within the plane, beyond the sector
+            // between the two.
+            let sector = [normal.cross(&rays[a]), rays[b].cross(&normal)];
+            let is_within = |ray: &Vector3<f64>| {
+                let height = normal.dot(ray);
+                let in_sector = || sector.iter().all(|side| side.dot(ray) >= -SAME_SINE);
+                height > SAME_SINE || height >= -SAME_SINE && in_sector()
+            };
+            if rays.iter().all(is_within) {
+                (is_edge[a], is_edge[b]) = (true, true);
+            }
+        }
+    }
+    let edges: Vec<usize> = all.clone().filter(|ray| is_edge[*ray]).collect();
+    if edges.is_empty() {
+        all.collect()
+    } else {
+        edges
+    }
+}
+
 fn extent(points: &[Vector3<f64>], direction: &Vector3<f64>) -> [f64; 2] {
     let start = [f64::INFINITY, f64::NEG_INFINITY];
     points.iter().fold(start, |[low, high], point| {
@@ -479,4 +532,63 @@ fn extent(points: &[Vector3<f64>], direction: &Vector3<f64>) -> [f64; 2] {
 #[allow(clippy::cast_precision_loss, reason = "a mean")]
 fn count(points: &[Vector3<f64>]) -> f64 {
     points.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    use super::*;
+
+    /// A half-space has all directions of a cone if and only if it has those that are kept: for random directions, some of them
+    /// in the plane of two others, for wedges, half-spaces and the whole space.
+    #[test]
+    fn the_edges_of_a_cone_span_it() {
+        let mut random = Pcg64::new(1, 0);
+        let mut noise = || {
+            #[allow(clippy::cast_precision_loss, reason = "a random number")]
+            let part = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+            2.0 * part - 1.0
+        };
+        let mut dropped = 0;
+        for round in 0..1000 {
+            let mut direction = || Vector3::from_fn(|_, _| noise()).normalize();
+            let up = direction();
+            // Cones within a half-space, and any.
+            let mut rays: Vec<_> = (0..3 + round % 6)
+                .map(|_| direction())
+                .map(|ray| {
+                    if round % 4 > 0 {
+                        ray * ray.dot(&up).signum()
+                    } else {
+                        ray
+                    }
+                })
+                .collect();
+            for k in 1..rays.len() {
+                rays.push((rays[k] + rays[k - 1]).normalize());
+            }
+            match round % 4 {
+                // A wedge, and a half-space.
+                2 => rays.push(-rays[0]),
+                3 => {
+                    let across = up.cross(&rays[0]).normalize();
+                    rays.extend([across, -across, across.cross(&up), up.cross(&across)]);
+                }
+                _ => {}
+            }
+            let kept = edges_of_cone(&rays);
+            dropped += rays.len() - kept.len();
+            // Half-spaces in general position, and those of which the border has two of the directions.
+            let pairs = (1..rays.len()).map(|k| rays[k].cross(&rays[k - 1]));
+            let normals: Vec<_> = pairs.chain([up]).flat_map(|it| [it, -it]).collect();
+            for normal in normals.into_iter().chain((0..30).map(|_| direction())) {
+                let holds = |ray: &Vector3<f64>| normal.dot(ray) >= -1e-7;
+                let kept = kept.iter().all(|ray| holds(&rays[*ray]));
+                assert_eq!(kept, rays.iter().all(holds), "{round}");
+            }
+        }
+        assert!(dropped > 1000, "{dropped}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use foldpath_core::Membership;
 use nalgebra::{Vector2, Vector3};
 
 use super::PlateError;
@@ -27,6 +28,8 @@ const CUT_MARGIN: f64 = 0.02;
 const CUT_UNIT: f64 = 1.0 / 1024.0;
 /// Sine of the angle between two sides up to which they are in line: such a corner is not cut.
 const STRAIGHT_SINE: f64 = 1e-6;
+/// Unit to which the parts of a direction are rounded to compare it with others.
+const SAME_DIRECTION: f64 = 1e-9;
 
 /// Distances by which a motion asks plates to stay back.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +56,7 @@ impl Trims {
             let count = most * SMALL_SHEET / pattern.vertices().len().max(1);
             let samples = motion.resampled(count.clamp(least, most));
             let samples = (0..samples.knots.len()).map(|knot| samples.crease_angles(knot));
-            trims.cut_corners(pattern, samples, options);
+            trims.cut_corners(pattern, &motion.memberships(), samples, options);
         }
         trims
     }
@@ -64,7 +67,7 @@ impl Trims {
     pub(crate) fn until(pattern: &CreasePattern, end: Vec<f64>, options: &PlateOptions) -> Self {
         let ranges = end.iter().map(|angle| [angle.min(0.0), angle.max(0.0)]);
         let mut trims = Self::between(pattern, &ranges.collect::<Vec<_>>(), Some(&end));
-        trims.cut_corners(pattern, [end].into_iter(), options);
+        trims.cut_corners(pattern, &[], [end].into_iter(), options);
         trims
     }
 
@@ -147,15 +150,17 @@ impl Trims {
     }
 
     /// Cuts off corners of panels that share a vertex and no hinge at it, where they would pass through each other at one of
-    /// these configurations, given as fold angles of the creases (radians).
+    /// these configurations, given as fold angles of the creases (radians). `memberships` has group and sign of each crease, by
+    /// which they turn alike; creases without one turn as they like.
     fn cut_corners(
         &mut self,
         pattern: &CreasePattern,
+        memberships: &[Membership],
         configurations: impl Iterator<Item = Vec<f64>>,
         options: &PlateOptions,
     ) {
         let has_sides = [options.hinge_plane > 0.0, options.hinge_plane < 1.0];
-        let mut apart = self.corners_apart(pattern, options.margin);
+        let mut apart = self.corners_apart(pattern, memberships, options.margin);
         let mut map = FoldingMap::flat(pattern);
         for angles in configurations {
             map.fold(pattern, pattern.tree(), &angles);
@@ -166,30 +171,60 @@ impl Trims {
         }
     }
 
-    /// Returns the pairs of corners of panels that share a vertex, but no hinge at it.
-    fn corners_apart(&self, pattern: &CreasePattern, margin: f64) -> Vec<CornersApart> {
+    /// Returns the pairs of corners of panels that share a vertex, but no hinge at it. One pair stands for those at other
+    /// vertices that are placed and move alike.
+    fn corners_apart(
+        &self,
+        pattern: &CreasePattern,
+        memberships: &[Membership],
+        margin: f64,
+    ) -> Vec<CornersApart> {
         let first_faces = first_faces(pattern);
-        let at = |vertex: VertexId| {
-            let faces = pattern.corners()[vertex.index()].iter();
+        let panel = |corner: &Corner| first_faces[corner.face.index()];
+        let member = |edge: EdgeId| {
+            let crease = pattern.edge(edge).crease;
+            crease.map(|crease| (memberships.get(crease.index()).copied()).ok_or(crease))
+        };
+        let mut classes: HashMap<Vec<_>, Vec<Vec<Corner>>> = HashMap::new();
+        let mut order = Vec::new();
+        for vertex in (0..).map(VertexId).take(pattern.vertices().len()) {
             let corner = |&face: &FaceId| {
                 Corner::of(pattern, face, vertex, |edge| self.tangents(edge, margin))
             };
-            let corners: Vec<Corner> = faces.filter_map(corner).collect();
-            let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
-            let apart = pairs.filter_map(|pair| {
-                let corners @ [a, b] = pair.map(|k| corners[k]);
-                let panels = corners.map(|corner| first_faces[corner.face.index()]);
-                let are_joined = a.edges.iter().any(|edge| b.edges.contains(edge));
-                (!are_joined && panels[0] != panels[1]).then(|| CornersApart {
-                    corners,
-                    keys: panels.map(|panel| (panel, vertex)),
-                    parting: Vector3::zeros(),
-                })
+            let faces = pattern.corners()[vertex.index()].iter();
+            let mut corners: Vec<Corner> = faces.filter_map(corner).collect();
+            corners.sort_by_key(Corner::place);
+            let key = |corner: &Corner| (corner.place(), corner.edges.map(member));
+            let key: Vec<_> = corners.iter().map(key).collect();
+            let class = classes.entry(key).or_insert_with_key(|key| {
+                order.push(key.clone());
+                Vec::new()
             });
-            apart.collect::<Vec<_>>()
-        };
-        let vertices = (0..).map(VertexId).take(pattern.vertices().len());
-        vertices.flat_map(at).collect()
+            class.push(corners);
+        }
+        let mut apart = Vec::new();
+        for key in &order {
+            let class = &classes[key];
+            let first = &class[0];
+            for [a, b] in (0..first.len()).flat_map(|a| (0..a).map(move |b| [a, b])) {
+                let are_joined = (first[a].edges.iter()).any(|edge| first[b].edges.contains(edge));
+                let of_other_panels = class
+                    .iter()
+                    .map(|corners| [corners[a], corners[b]])
+                    .filter(|[a, b]| !are_joined && panel(a) != panel(b));
+                let keys: Vec<_> = of_other_panels
+                    .map(|pair| pair.map(|corner| (panel(&corner), corner.vertex)))
+                    .collect();
+                if !keys.is_empty() {
+                    apart.push(CornersApart {
+                        corners: [first[a], first[b]],
+                        keys,
+                        parting: Vector3::zeros(),
+                    });
+                }
+            }
+        }
+        apart
     }
 
     /// Cuts two corners off by as much as it takes for them to be apart where they are.
@@ -201,7 +236,7 @@ impl Trims {
         } = pair;
         // The sides of each plate to which the other one has risen.
         let sides = [0, 1].map(|k| corners[k].side_of(&corners[1 - k], [poses[k], poses[1 - k]]));
-        let known = keys.map(|(panel, vertex)| self.cut(panel, vertex));
+        let known = keys[0].map(|(panel, vertex)| self.cut(panel, vertex));
         let with = |cut: f64| {
             [0, 1].map(|k| {
                 let mut cuts = known[k];
@@ -229,10 +264,8 @@ impl Trims {
         // Equal corners of a sheet get equal cuts, whatever rounding does.
         let cut = (high * (1.0 + CUT_MARGIN) / CUT_UNIT).ceil() * CUT_UNIT;
         let cuts = with(cut);
-        for ((key, corner), cuts) in keys.iter().zip(corners).zip(cuts) {
-            if corner.may_be_cut {
-                self.cuts.insert(*key, cuts);
-            }
+        for k in (0..2).filter(|k| corners[*k].may_be_cut) {
+            self.cuts.extend(keys.iter().map(|keys| (keys[k], cuts[k])));
         }
     }
 }
@@ -240,8 +273,8 @@ impl Trims {
 /// Corners of two panels at a vertex that they share.
 struct CornersApart {
     corners: [Corner; 2],
-    /// Panels and vertex.
-    keys: [(FaceId, VertexId); 2],
+    /// Panels and vertex of these corners and of all that they stand for.
+    keys: Vec<[(FaceId, VertexId); 2]>,
     /// Normal of the last plane between them, if one was found.
     parting: Vector3<f64>,
 }
@@ -313,6 +346,7 @@ impl Border {
 #[derive(Clone, Copy)]
 struct Corner {
     face: FaceId,
+    vertex: VertexId,
     /// The edges before and behind the corner.
     edges: [EdgeId; 2],
     /// Unit directions from the vertex along these edges, and inwards from the lines of the edges.
@@ -346,6 +380,7 @@ impl Corner {
         let sine = behind.perp(&before);
         Some(Self {
             face,
+            vertex,
             edges,
             along,
             inward: [
@@ -357,6 +392,17 @@ impl Corner {
         })
     }
 
+    /// Returns numbers that are equal for corners which differ by a translation of the sheet.
+    #[allow(clippy::cast_possible_truncation, reason = "rounded to a part of 1")]
+    fn place(&self) -> ([i64; 4], [u64; 4]) {
+        let [a, b] = self.along;
+        let [c, d] = self.back;
+        (
+            [a.x, a.y, b.x, b.y].map(|part| (part / SAME_DIRECTION).round() as i64),
+            [c[0], c[1], d[0], d[1]].map(f64::to_bits),
+        )
+    }
+
     /// Returns the side of this corner's plate to which another one has risen: 0 below, 1 above.
     fn side_of(&self, other: &Self, [pose, other_pose]: [&Pose; 2]) -> usize {
         let middle = other_pose.turn(other.along[0] + other.along[1]);
@@ -365,21 +411,21 @@ impl Corner {
 
     /// Returns directions that span the plate as seen from the vertex, if the corner is cut off by so much below and above.
     fn cone(&self, cuts: [f64; 2], exists: [bool; 2], pose: &Pose) -> Vec<Vector3<f64>> {
-        let mut cone: Vec<Vector3<f64>> = self.along.map(|along| pose.turn(along)).to_vec();
+        // Two directions in the hinge plane, and at most two on each side of it.
+        let mut cone = Vec::with_capacity(6);
+        cone.extend(self.along.map(|along| pose.turn(along)));
         let up = pose.normal();
         for (side, height) in [(0, -1.0), (1, 1.0)] {
             if exists[side] {
-                let places = self.places(side, cuts[side]);
-                cone.extend(places.into_iter().map(|at| pose.turn(at) + up * height));
+                let places = self.places(side, cuts[side]).into_iter().flatten();
+                cone.extend(places.map(|at| (pose.turn(at) + up * height).normalize()));
             }
         }
-        cone.iter_mut()
-            .for_each(|direction| *direction = direction.normalize());
         cone
     }
 
     /// Returns where the sides of the plate meet at height 1, seen from the vertex: one place, or two if the corner is cut off.
-    fn places(&self, side: usize, cut: f64) -> Vec<Vector2<f64>> {
+    fn places(&self, side: usize, cut: f64) -> [Option<Vector2<f64>>; 2] {
         let lines = [0, 1].map(|k| (self.inward[k], self.back[k][side]));
         let meet = |[(a, p), (b, q)]: [(Vector2<f64>, f64); 2]| {
             let sine = a.perp(&b);
@@ -387,15 +433,14 @@ impl Corner {
                 .then(|| Vector2::new(p * b.y - q * a.y, q * a.x - p * b.x) / sine)
         };
         let Some(corner) = meet(lines) else {
-            return vec![lines[0].0 * lines[0].1.max(lines[1].1)];
+            return [Some(lines[0].0 * lines[0].1.max(lines[1].1)), None];
         };
         let inward = self.along[0] + self.along[1];
         match inward.try_normalize(0.0).filter(|_| self.may_be_cut) {
-            Some(inward) if inward.dot(&corner) < cut => lines
-                .into_iter()
-                .filter_map(|line| meet([line, (inward, cut)]))
-                .collect(),
-            _ => vec![corner],
+            Some(inward) if inward.dot(&corner) < cut => {
+                lines.map(|line| meet([line, (inward, cut)]))
+            }
+            _ => [Some(corner), None],
         }
     }
 }

@@ -405,7 +405,7 @@ const SNAP_FACTOR: f64 = 0.25;
 /// Number of powers of [`SNAP_FACTOR`] by which lines may be off by more than the goal is.
 const LINE_POWERS: i32 = 2;
 /// Closure residual that rounding may leave at a vertex of many creases.
-const ROUNDING_RESIDUAL: f64 = 1e-12;
+pub(crate) const ROUNDING_RESIDUAL: f64 = 1e-12;
 /// Starts tried one after the other, as fractions of the goal. At a flat-folded goal itself hinges stand at their
 /// limits, so that no way may lead from there to the closed configuration near it, although the goal closes but for
 /// rounding.

@@ -4,8 +4,9 @@
 use foldpath_core::Curve;
 
 use crate::certificate::{FoldingCertifier, SheetCertifier};
+use crate::collision::CROSSING_DEPTH_EDGES;
 use crate::planner::following::follow::Waypoint;
-use crate::planner::following::reduction::{CLOSED, Reduction};
+use crate::planner::following::reduction::{CLOSED, ROUNDING_RESIDUAL, Reduction};
 use crate::planner::knots::KnotSequence;
 use crate::planner::placement::knot_placement::place;
 use crate::planner::placement::knot_placer::{PlacementConstraints, SheetBounds};
@@ -103,7 +104,10 @@ impl<'a> Lifting<'a> {
         if problem.errors.is_measured() {
             self.measured(aim).unwrap_or_default()
         } else if open <= CLOSED {
-            self.closed(closure).unwrap_or_default()
+            let kept = self.closure_of_plates().filter(|kept| *kept < closure);
+            let closed = kept.and_then(|kept| self.closed(kept));
+            let closed = closed.or_else(|| self.closed(closure));
+            closed.unwrap_or_default()
         } else {
             let nearly = open <= closure / RESIDUAL_RATIO;
             let closed = nearly.then(|| self.closed(closure)).flatten();
@@ -114,6 +118,16 @@ impl<'a> Lifting<'a> {
                 self.nearly_closed().or_bounds_of(&closed)
             }
         }
+    }
+
+    /// Returns the closure residual within which plates keep to the lattice so nearly that it tells whether they cross, if they
+    /// have one: neighbours touch at each hinge, so that no tear leaves them apart.
+    fn closure_of_plates(&self) -> Option<f64> {
+        let pattern = self.problem.pattern;
+        self.problem.options.plates.as_ref()?;
+        let lattice = self.reduction.lattice(pattern)?;
+        let closure = CROSSING_DEPTH_EDGES / lattice.lattice_deviation(pattern, 1.0);
+        (closure > ROUNDING_RESIDUAL).then_some(closure)
     }
 
     /// Places knots if the waypoints close: between knots the motion has to close to within `closure`.
