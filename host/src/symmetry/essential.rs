@@ -197,6 +197,13 @@ impl ReducedStars {
         (snapped, most)
     }
 
+    /// Returns `true` if the stars are those of the others in every bit.
+    pub(crate) fn has_stars_of(&self, other: &Self) -> bool {
+        let count = self.spokes.len();
+        count == other.spokes.len()
+            && (0..count).all(|star| self.spokes[star] == other.spokes[star])
+    }
+
     /// Keeps the stars that are the first of their class, and every loop.
     fn firsts(&self, first: &[usize]) -> Self {
         let stars = || (0..first.len()).filter(|&star| first[star] == star);

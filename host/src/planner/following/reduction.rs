@@ -116,7 +116,7 @@ impl<'a> Reduction<'a> {
     ///
     /// With `coarse`, the angle up to which creases may be turned is the largest with which the goal closes, otherwise
     /// little more than the smallest; either is within what the bound allows. Returns `None` if no crease is turned by
-    /// more than rounding, or if `coarse` allows no larger angle.
+    /// more than rounding, or if `coarse` turns them as far as it is without.
     pub(crate) fn snapped(
         &self,
         pattern: &'a CreasePattern,
@@ -130,10 +130,10 @@ impl<'a> Reduction<'a> {
             |coarse| snapping_angle(&self.all, &asked, most, coarse).unwrap_or(SNAP_RATIO * most);
         let told = within(false);
         let within = if coarse { within(true) } else { told };
-        if coarse && within <= told {
+        let (all, turned) = self.all.snapped(within);
+        if coarse && (within <= told || all.has_stars_of(&self.all.snapped(told).0)) {
             return None;
         }
-        let (all, turned) = self.all.snapped(within);
         let groups = self.groups.clone();
         let snapped = || Self {
             rounded: Some(self.distinct.clone()),

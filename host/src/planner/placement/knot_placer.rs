@@ -186,17 +186,26 @@ impl<'a, 's> KnotPlacer<'a, 's> {
     /// Lets a hinge rest at two knots between which it would turn beyond its limits, as happens on a motion that closes
     /// only roughly. The hinge then turns from one angle to the other and no farther.
     fn stay_within(&mut self, builder: &SegmentBuilder<'_>, points: &mut [Waypoint]) -> Option<()> {
-        let mut turned = true;
-        while core::mem::take(&mut turned) {
-            for index in 1..points.len() {
+        // Segments of which an end was changed since they were looked at last, by the number of their end.
+        let count = points.len();
+        let mut changed = vec![true; count];
+        while changed[1..].contains(&true) {
+            for index in 1..count {
+                if !core::mem::take(&mut changed[index]) {
+                    continue;
+                }
                 self.span(builder, &points[index - 1], &points[index])?;
                 for (group, pair) in self.curves.iter().zip(self.constraints.limits).enumerate() {
                     if is_within(pair) {
                         continue;
                     }
-                    for point in &mut points[index - 1..=index] {
-                        turned |= point.tangent[group].abs() > 0.0;
-                        point.tangent[group] = 0.0;
+                    for k in [index - 1, index] {
+                        let rate = &mut points[k].tangent[group];
+                        if rate.abs() > 0.0 {
+                            changed[k] = true;
+                            changed[(k + 1).min(count - 1)] = true;
+                        }
+                        *rate = 0.0;
                     }
                     self.known.clear();
                 }
