@@ -92,10 +92,10 @@ pub(super) const TABULATED_TIMES: usize = 64;
 pub(super) const STEP_MULTIPLES: u64 = 4;
 /// Number of small parts of the interval between tabulated times.
 pub(super) const SMALL_PARTS: u32 = 64;
-/// Number of parts of a segment over which second derivatives are bounded.
-pub(super) const CURVATURE_PARTS: u32 = 8;
+/// Number of parts of a segment over which third derivatives are bounded.
+pub(super) const THIRD_DERIVATIVE_PARTS: u32 = 8;
 /// Length of such a part.
-pub(super) const CURVATURE_PART_TICKS: Tick = SEGMENT / CURVATURE_PARTS as Tick;
+pub(super) const THIRD_DERIVATIVE_PART_TICKS: Tick = SEGMENT / THIRD_DERIVATIVE_PARTS as Tick;
 /// Limit on the deviation of a piece from its quadratic over an interval; intervals are shortened to meet it.
 pub(super) const MAX_DEVIATION_EDGES: f64 = 1.0 / 8.0;
 /// Shortest interval of the broad phase.

@@ -11,7 +11,7 @@ pub struct AngleVariation {
 
 /// Ratio of the largest distance of a function from the quadratic through its values at 0, 1/2 and 1 to its largest
 /// third derivative: √3/216.
-const CUBIC_RATIO: f64 = 0.008_018_753_738_744_8;
+pub(crate) const CUBIC_RATIO: f64 = 0.008_018_753_738_744_8;
 
 /// Bound on the deviation of a point from the quadratic through its places at the beginning, half way and at the end of
 /// an interval. The bound is a sum over the hinges on the way to the point.

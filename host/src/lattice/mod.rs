@@ -59,7 +59,7 @@ mod survey;
 mod translations;
 
 pub use deviation::AngleVariation;
-pub(crate) use deviation::DeviationBound;
+pub(crate) use deviation::CUBIC_RATIO;
 pub use motion::LatticeMotion;
 pub use motion_bounds::{LatticeMotionBounds, Stretch};
 pub(crate) use neighbours::NeighbourSearch;

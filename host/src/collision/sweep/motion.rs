@@ -231,27 +231,29 @@ impl Motion {
         }
     }
 
-    /// Computes the angles of all groups at a time, radians.
-    pub(in crate::collision) fn angles(&self, tick: Tick, angles: &mut [f64]) {
-        for (group, angle) in angles.iter_mut().enumerate() {
-            *angle = self.angle(group, tick);
-        }
+    /// Computes the first and second derivative of each group's angle at a time, radians per segment and per squared segment;
+    /// where two segments meet, those of the later one.
+    pub(in crate::collision) fn derivatives(&self, tick: Tick, derivatives: &mut Vec<[f64; 2]>) {
+        let Place { segment, s } = self.place(tick);
+        let variations = &self.variations[segment * self.groups..][..self.groups];
+        derivatives.clear();
+        derivatives.extend(variations.iter().map(|it| it.curve.derivatives(s)));
     }
 
-    /// Computes upper bounds on the absolute second derivative of each group's angle, over each of the `parts`
-    /// equal parts of the segment that begins at `tick`.
-    pub(in crate::collision) fn curvatures(
+    /// Computes upper bounds on the absolute third derivative of each group's angle, radians per cubed segment, over each of the
+    /// `parts` equal parts of the segment that begins at `tick`.
+    pub(in crate::collision) fn third_derivatives(
         &self,
         tick: Tick,
         parts: u32,
-        curvatures: &mut Vec<f64>,
+        bounds: &mut Vec<f64>,
     ) {
         let segment = self.place(tick).segment;
         let variations = &self.variations[segment * self.groups..][..self.groups];
-        curvatures.clear();
+        bounds.clear();
         for part in 0..parts {
             let [s, end] = [part, part + 1].map(|k| f64::from(k) / f64::from(parts));
-            curvatures.extend(variations.iter().map(|v| v.curvature(s, end)));
+            bounds.extend(variations.iter().map(|it| it.third_derivative(s, end)));
         }
     }
 

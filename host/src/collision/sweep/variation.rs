@@ -104,15 +104,13 @@ impl Variation {
         Rates::of(&self.curve).between(s, end).bulge()
     }
 
-    /// Returns an upper bound of the absolute second derivative of the angle from `s` to `end`, radians per
-    /// squared segment.
-    pub(super) fn curvature(&self, s: f64, end: f64) -> f64 {
-        let part = end - s;
-        let curvature = Rates::of(&self.curve).between(s, end).curvature();
-        if curvature.is_nan() {
+    /// Returns an upper bound of the absolute third derivative of the angle from `s` to `end`, radians per cubed segment.
+    pub(super) fn third_derivative(&self, s: f64, end: f64) -> f64 {
+        let third = Rates::of(&self.curve).between(s, end).third_derivative();
+        if third.is_nan() {
             return f64::INFINITY;
         }
-        curvature / (part * part)
+        third / (end - s).powi(3)
     }
 
     /// Adds the parts of a stretch, and returns the variation up to its end.
@@ -216,21 +214,32 @@ impl Rates {
         match self {
             Self::Angle(angle) => 2.0 * max_difference(&derivative(angle)),
             // The second derivative is 2 (N/q)' with N the numerator and q = c² + n².
-            Self::HalfAngle([cos, sin]) => {
-                let numerator = self.numerator();
-                let (c, n) = (square(cos), square(sin));
-                let squares: [f64; 7] = core::array::from_fn(|k| c[k] + n[k]);
-                let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
-                if least <= 0.0 {
-                    return f64::INFINITY;
-                }
-                let (most, slope) = (
-                    max_coefficient(&numerator),
-                    5.0 * max_difference(&numerator),
-                );
-                2.0 * (slope + most * 6.0 * max_difference(&squares) / least) / least
+            Self::HalfAngle(parts) => {
+                let ([n, n1, _], [_, q1, _], least) = self.quotient(parts);
+                2.0 * (n1 + n * q1 / least) / least
             }
         }
+    }
+
+    /// Returns an upper bound of the absolute third derivative of the angle.
+    fn third_derivative(&self) -> f64 {
+        match self {
+            Self::Angle([a, b, c, d]) => 6.0 * (d - 3.0 * c + 3.0 * b - a).abs(),
+            // The third derivative is 2 (N/q)''.
+            Self::HalfAngle(parts) => {
+                let ([n, n1, n2], [_, q1, q2], least) = self.quotient(parts);
+                2.0 * (n2 + (2.0 * n1 * q1 + n * q2 + 2.0 * n * q1 * q1 / least) / least) / least
+            }
+        }
+    }
+
+    /// Returns bounds on the absolute values of the numerator and of q = c² + n², each with its first and second derivative, and
+    /// the least value of q, at least 0.
+    fn quotient(&self, [cos, sin]: &[[f64; 4]; 2]) -> ([f64; 3], [f64; 3], f64) {
+        let (c, n) = (square(cos), square(sin));
+        let squares: [f64; 7] = core::array::from_fn(|k| c[k] + n[k]);
+        let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+        (jet(&self.numerator()), jet(&squares), least.max(0.0))
     }
 
     /// Returns coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
@@ -272,6 +281,18 @@ impl Rates {
             }
         }
     }
+}
+
+/// Returns bounds on the absolute value of a polynomial and of its first and second derivative.
+#[allow(clippy::cast_precision_loss, reason = "a degree")]
+fn jet<const N: usize>(b: &[f64; N]) -> [f64; 3] {
+    let degree = (N - 1) as f64;
+    let differences: Vec<f64> = b.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    [
+        max_coefficient(b),
+        degree * max_difference(b),
+        degree * (degree - 1.0) * max_difference(&differences),
+    ]
 }
 
 /// Returns the coefficients of the derivative of a cubic.
@@ -344,6 +365,7 @@ mod tests {
                 assert!(step <= bound + 1e-14, "{curve:?} at {s}: {step} > {bound}");
                 (sum, angle) = (sum + step, curve.angle(s));
             }
+            let mut most = [0.0_f64; 2];
             for k in (0..1000).step_by(10) {
                 let [s, end] = [k, k + 10].map(|k| f64::from(k) / 1000.0);
                 let Change { by, off } = variation.change(s, end);
@@ -354,7 +376,17 @@ mod tests {
                     assert!(bulge <= off + 1e-14, "{curve:?} at {s}: {bulge} > {off}");
                 }
                 assert!(off < 2e-2, "{curve:?} at {s}: {off}");
+                let third = variation.third_derivative(s, end);
+                for part in 0..10 {
+                    let at = s + f64::from(part) * (end - s) / 10.0;
+                    let ends = [at, at + (end - s) / 10.0];
+                    let [before, after] = ends.map(|s| curve.derivatives(s)[1]);
+                    let mean = 10.0 * (after - before).abs() / (end - s);
+                    assert!(mean <= third + 1e-6, "{curve:?} at {s}: {mean} > {third}");
+                    most = [most[0].max(mean), most[1].max(third)];
+                }
             }
+            assert!(most[1] <= 5.0 * most[0] + 1e-6, "{curve:?}: {most:?}");
             // The bound is not much larger: the parts that are not monotone are short.
             assert!(variation.until(1.0) < 1.02 * sum, "{curve:?}");
         }

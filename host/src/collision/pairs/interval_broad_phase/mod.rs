@@ -9,6 +9,7 @@
 //! than a sum of these three with weights that are positive and sum to one. If all three exceed the deviations of both
 //! pieces together, the pieces are apart from the beginning to the end, however both move together.
 
+mod deviation;
 mod near;
 
 use core::ops::Range;
@@ -16,6 +17,7 @@ use core::ops::Range;
 use foldpath_core::{HalfAngle, Membership};
 use nalgebra::Vector3;
 
+use self::deviation::{MotionBound, Turning};
 use crate::collision::hierarchy::Hierarchy;
 use crate::collision::narrow::crossing::ConvexPiece;
 use crate::collision::narrow::separation::distance;
@@ -23,10 +25,9 @@ use crate::collision::pieces::Pieces;
 use crate::collision::solids::solid::PlacedSolid;
 use crate::collision::sweep::motion::{Motion, SEGMENT, Tick};
 use crate::collision::tolerances::{
-    CURVATURE_PART_TICKS, CURVATURE_PARTS, MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS,
+    MAX_DEVIATION_EDGES, MIN_INTERVAL_TICKS, THIRD_DERIVATIVE_PART_TICKS, THIRD_DERIVATIVE_PARTS,
 };
 use crate::folding::{Hinge, Pose, Product, place_all};
-use crate::lattice::{AngleVariation, DeviationBound};
 use crate::pattern::{CreasePattern, FaceId, bodies};
 
 /// A value at the beginning of an interval, in its middle and at its end.
@@ -49,17 +50,19 @@ pub(super) struct IntervalBroadPhase {
     bodies: Vec<Option<FaceId>>,
     /// Limit on the deviation of a piece, units of the sheet.
     limit: f64,
-    /// Bound on the second derivative of each group's angle, one row for each part of the segment.
-    curvatures: Vec<f64>,
+    /// Bound on the third derivative of each group's angle, one row for each part of the segment.
+    thirds: Vec<f64>,
     pub(super) from: Tick,
     pub(super) to: Tick,
-    angles: Vec<f64>,
-    next: Vec<f64>,
     half_angles: Vec<HalfAngle<f64>>,
-    variations: Vec<AngleVariation>,
-    /// For each face: bound on the deviation of its hinge to its parent (`bounds`), bound on the deviation of its
-    /// corners (`deviations`, units of the sheet), and pose.
-    bounds: Vec<DeviationBound>,
+    /// First and second derivative of each group's angle at the beginning, with time in segments.
+    rates: Vec<[f64; 2]>,
+    /// Bounds on its first three derivatives over the interval, with time in intervals.
+    rate_bounds: Vec<Three<f64>>,
+    /// For each face: its turning at the beginning, bounds on its motion (`bounds`), bound on the deviation of its corners
+    /// (`deviations`, units of the sheet), and pose.
+    turning: Vec<Turning>,
+    bounds: Vec<MotionBound>,
     deviations: Vec<f64>,
     poses: Vec<Pose>,
     /// The poses of the faces at the three times; empty unless pieces are solids.
@@ -91,11 +94,10 @@ impl IntervalBroadPhase {
             hinges,
             reaches,
             limit: MAX_DEVIATION_EDGES * pattern.median_edge(),
-            angles: vec![0.0; groups],
-            next: vec![0.0; groups],
             half_angles: vec![HalfAngle::default(); groups],
-            variations: vec![AngleVariation::default(); groups],
-            bounds: vec![DeviationBound::default(); faces],
+            rate_bounds: vec![[0.0; 3]; groups],
+            turning: vec![Turning::default(); faces],
+            bounds: vec![MotionBound::default(); faces],
             deviations: vec![0.0; faces],
             poses: vec![Pose::identity(); faces],
             normals: [(); 3].map(|()| vec![Vector3::z(); faces]),
@@ -106,7 +108,6 @@ impl IntervalBroadPhase {
     /// Goes to the beginning of a motion.
     pub(super) fn begin(&mut self, motion: &Motion, pieces: &Pieces) {
         (self.from, self.to) = (0, 0);
-        motion.angles(0, &mut self.angles);
         for places in &mut self.places {
             places.resize(pieces.hull_points(), Vector3::zeros());
         }
@@ -147,21 +148,21 @@ impl IntervalBroadPhase {
         if into > 0 {
             length = length.min(1 << into.trailing_zeros());
         } else {
-            motion.curvatures(self.from, CURVATURE_PARTS, &mut self.curvatures);
+            motion.third_derivatives(self.from, THIRD_DERIVATIVE_PARTS, &mut self.thirds);
             self.enter_segment(motion, pieces, hierarchy);
             if self.from == 0 || length > SEGMENT {
                 length = SEGMENT;
             }
         }
         self.to = self.from + length;
-        while !self.is_within_limit(motion) {
+        self.begin_turning(motion);
+        while !self.is_within_limit() {
             length /= 2;
             if length < MIN_INTERVAL_TICKS {
                 return false;
             }
             self.to = self.from + length;
         }
-        core::mem::swap(&mut self.angles, &mut self.next);
         self.places.swap(0, 2);
         self.normals.swap(0, 2);
         self.poses_of_solids.swap(0, 2);
@@ -215,41 +216,53 @@ impl IntervalBroadPhase {
         }
     }
 
+    /// Finds how all faces turn at the beginning of the interval, where they are placed already.
+    fn begin_turning(&mut self, motion: &Motion) {
+        motion.derivatives(self.from, &mut self.rates);
+        self.turning.fill(Turning::default());
+        for (hinge, &rests) in self.hinges.iter().zip(&self.resting) {
+            let [face, parent] = [hinge.to, hinge.from].map(|face| face as usize);
+            let before = self.turning[parent];
+            let turns = hinge.turns.filter(|_| !rests);
+            self.turning[face] = turns.map_or(before, |Membership { group, negative }| {
+                let sign = if negative { -1.0 } else { 1.0 };
+                let rates = self.rates[group.index()].map(|rate| sign * rate);
+                before.across(self.poses[parent].turn(hinge.axis), rates)
+            });
+        }
+    }
+
     /// Returns `true` if no piece deviates beyond the limit over the interval.
-    fn is_within_limit(&mut self, motion: &Motion) -> bool {
-        motion.angles(self.to, &mut self.next);
+    fn is_within_limit(&mut self) -> bool {
         #[allow(clippy::cast_precision_loss, reason = "37 bits are exact")]
         let part = (self.to - self.from) as f64 / SEGMENT as f64;
         let into = self.from % SEGMENT;
-        let parts = into / CURVATURE_PART_TICKS
-            ..(into + self.to - self.from).div_ceil(CURVATURE_PART_TICKS);
-        let groups = self.variations.len();
-        for (group, variation) in self.variations.iter_mut().enumerate() {
+        let parts = into / THIRD_DERIVATIVE_PART_TICKS
+            ..(into + self.to - self.from).div_ceil(THIRD_DERIVATIVE_PART_TICKS);
+        let groups = self.rates.len();
+        for (group, (bounds, rates)) in self.rate_bounds.iter_mut().zip(&self.rates).enumerate() {
             let index = |k: Tick| usize::try_from(k).unwrap_or(usize::MAX) * groups + group;
-            let curvatures = parts.clone().map(|k| self.curvatures[index(k)]);
-            let curvature = curvatures.fold(0.0, f64::max);
-            // The rate differs from its mean by no more than the second derivative times the interval.
-            let bent = curvature * part * part;
-            *variation = AngleVariation {
-                total: (self.next[group] - self.angles[group]).abs() + bent,
-                nonlinearity: bent / 8.0,
-            };
+            let thirds = parts.clone().map(|k| self.thirds[index(k)]);
+            let third = thirds.fold(0.0, f64::max) * part.powi(3);
+            let [first, second] = [rates[0].abs() * part, rates[1].abs() * part * part];
+            *bounds = [first + second + third / 2.0, second + third, third];
         }
-        self.bounds.fill(DeviationBound::default());
+        self.bounds.fill(MotionBound::default());
         self.deviations.fill(0.0);
         let spans = self.spans.iter().zip(&self.resting);
         for (hinge, (&[way, reach], &rests)) in self.hinges.iter().zip(spans) {
             let [face, parent] = [hinge.to, hinge.from].map(|face| face as usize);
-            let group = hinge.group();
-            let variation = group.map_or(AngleVariation::default(), |group| self.variations[group]);
             let before = self.bounds[parent];
             let bound = if rests {
                 before
             } else {
-                before.across(way, variation)
+                let rates = hinge
+                    .group()
+                    .map_or([0.0; 3], |group| self.rate_bounds[group]);
+                before.across(way, rates, &self.turning[face], part)
             };
             self.bounds[face] = bound;
-            let deviation = bound.at(reach);
+            let deviation = bound.deviation(reach);
             self.deviations[face] = deviation;
             if deviation.is_nan() || deviation > self.limit {
                 return false;
