@@ -81,8 +81,17 @@ impl OptionInfo {
 
 /// Returns the paragraphs of a text, each in one line.
 pub fn paragraphs(text: &str) -> impl Iterator<Item = String> {
-    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    text.split("\n\n").map(words)
+    let one_line = |text: &str| {
+        let mut line = String::with_capacity(text.len());
+        for part in text.lines().map(str::trim).filter(|part| !part.is_empty()) {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(part);
+        }
+        line
+    };
+    text.split("\n\n").map(one_line)
 }
 
 /// Kind of a value.
