@@ -1,9 +1,9 @@
 //! Bounds how far a point beyond some hinges deviates from a quadratic curve over an interval of a motion.
 //!
 //! The deviation of a point from the quadratic through its places at the beginning, half way and at the end is at most a small
-//! part of the largest third derivative of its place. That is bounded along the hinges on the way to the point, from the angular
-//! velocity and acceleration that a face really has at the beginning: where hinges turn one way and back, as in a tessellation, a
-//! face far away turns no faster than one hinge does, and a sum over all hinges would be far too large.
+//! part of the largest third derivative of its place. A bound on that follows the hinges on the way to the point. It begins with
+//! the angular velocity and acceleration that each face has at the beginning of the interval. In a tessellation, hinges turn one
+//! way and back: a face far away turns no faster than one hinge does, and a sum over all hinges would be far too large.
 //!
 //! Let w be the angular velocity of a face, w' and w'' its derivatives by time (in intervals), and h the angle of the next hinge
 //! about a unit axis a that moves with the face. Beyond the hinge the angular velocity is w + h' a and its derivative
