@@ -78,6 +78,7 @@ pub(crate) fn fold_in_sequence(
         dead: HashSet::new(),
         barred: Vec::new(),
         steps: 0,
+        is_first: true,
         order: Vec::new(),
     };
     let plan = search_stops(problem, leg, &mut orders)?;
@@ -232,6 +233,8 @@ struct Orders<'a> {
     in_the_way: Vec<usize>,
     /// Number of steps in the search so far.
     steps: usize,
+    /// `true` until a sequence was looked for.
+    is_first: bool,
     /// The sequence that is tried.
     order: Vec<FixedBitSet>,
 }
@@ -243,7 +246,12 @@ impl StopSearch for Orders<'_> {
 
     fn next(&mut self) -> Option<Vec<Vec<f64>>> {
         let mut order = Vec::new();
-        self.extend(&mut order).ok()?;
+        if let Some(opened) = self.is_first.then(|| self.opened()).flatten() {
+            order = opened;
+        } else {
+            self.extend(&mut order).ok()?;
+        }
+        self.is_first = false;
         self.order = order;
         Some(self.leg.stops_of(&self.order))
     }
@@ -336,6 +344,34 @@ impl Orders<'_> {
         let moves: Rc<[FixedBitSet]> = moves.into();
         self.moves.insert(folded.clone(), moves.clone());
         moves
+    }
+
+    /// Looks for a sequence from its end, if samples are taken: opens a part that can be opened, until all are open. Near the
+    /// end, where parts lie in each other, few can. Nothing that was opened is closed again, so that some sequences are not
+    /// found. Parts that could be opened seldom so far are tried last.
+    fn opened(&mut self) -> Option<Vec<FixedBitSet>> {
+        let samples = self.samples.as_mut()?;
+        // The rest is for other sequences, and to fold at once what can be.
+        let least_left = samples.left() / 4;
+        let mut closed: Vec<(usize, &FixedBitSet)> =
+            self.parts.iter().map(|part| (0, part)).collect();
+        closed.retain(|(_, part)| !part.is_clear());
+        let mut folded = self.all.clone();
+        let mut order = Vec::new();
+        while !closed.is_empty() {
+            let beyond = |part: &FixedBitSet| part.ones().map(|crease| self.beyond[crease]).max();
+            closed.sort_by_cached_key(|&(failures, part)| (failures, beyond(part)));
+            let next = closed.iter_mut().position(|(failures, part)| {
+                let before = folded.difference(part).collect();
+                *failures += 1;
+                samples.left() > least_left && !samples.is_spent() && samples.is_free(&before, part)
+            })?;
+            let (_, part) = closed.remove(next);
+            folded.difference_with(part);
+            order.push(part.clone());
+        }
+        order.reverse();
+        Some(order)
     }
 
     /// Extends a sequence to all creases, if possible. `Err(true)` says that it is impossible in any order of the

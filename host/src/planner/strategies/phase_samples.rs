@@ -100,18 +100,23 @@ impl<'a> PhaseSamples<'a> {
         found
     }
 
-    /// Returns `true` if no crossing is found while the creases of a phase turn. Asks first at the end, where most of those
+    /// Returns `true` if no crossing is found while the creases of a phase turn. Asks from the end on, near which most of those
     /// that cross do.
     pub(super) fn is_free(&mut self, before: &FixedBitSet, phase: &FixedBitSet) -> bool {
         let sets = [before.clone(), phase.clone()];
         if let Some(known) = self.known.get(&sets) {
             return known.is_none();
         }
-        let (within, end) = SAMPLES.split_at(SAMPLES.len() - 1);
-        let at_end = self.first(&sets, end);
-        let found = at_end.or_else(|| self.first(&sets, within));
+        let mut from_end = SAMPLES;
+        from_end.reverse();
+        let found = self.first(&sets, &from_end);
         self.known.insert(sets, found);
         found.is_none()
+    }
+
+    /// Returns the number of faces that may yet be placed for samples.
+    pub(super) fn left(&self) -> usize {
+        self.left
     }
 
     /// Returns the crossing that ends the free part of a phase, given the first sample that crosses.
