@@ -3,7 +3,7 @@ export type Told = (stage: string, part: number | undefined) => void;
 /** Options of `foldpath plan` by their names, with numbers or text as values: `{ fold: 0.5, collision: "off" }`. */
 export type Options = Record<string, number | string | boolean | (number | string)[]>;
 /** Formats of a path: FOLD, a table of angles, an animation, for controllers, and a drawing of the flat sheet. */
-export type Format = "fold" | "traj" | "csv" | "rust" | "glb" | "svg" | "dxf" | "joint-trajectory" | "pattern";
+export type Format = "fold" | "traj" | "csv" | "rust" | "glb" | "svg" | "dxf" | "joint-trajectory" | "ros2-control" | "pattern";
 
 /** The JSON of `foldpath plan --json`, which docs/schema/plan.json describes. */
 export interface Answer {

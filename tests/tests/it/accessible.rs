@@ -103,6 +103,9 @@ fn pages_of_paths_and_patterns_have_no_violation() {
     let PatternFile { title, pattern } = file("kresling-2x6");
     let view = View::open_page(&pattern_page(&title, &pattern, Watch::default()), &[]);
     assert_accessible("pattern", &view, &axe);
+    // axe-core looks at this page.
+    view.run("document.documentElement.removeAttribute('lang')");
+    assert!(violations(&view).starts_with("html-has-lang"));
 }
 
 #[test]

@@ -166,6 +166,12 @@ fn nothing_on_the_page_lies_over_anything_else_at_any_width() {
             );
         }
     }
+    view.run("document.getElementById('tools').style = 'position: fixed; inset: 0'");
+    let seen = view.overlaps("#above > *, #below > *");
+    assert!(
+        !seen.as_str().unwrap().is_empty(),
+        "the tools were laid over others"
+    );
     view.assert_quiet();
 }
 
