@@ -200,7 +200,7 @@ impl View {
         if key == "Enter" {
             event["text"] = json!("\r");
         }
-        // What the browser itself does with a key it knows by this number.
+        // The browser knows its own keys by numbers: those that move the focus or press a button.
         let codes = [
             ("Tab", 9),
             ("Enter", 13),

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use foldpath::export::svg_pattern::by_letters;
 use foldpath::planner::{Outcome, PlanOptions};
 use foldpath::request::FAMILIES;
-use foldpath_tests::{Planned, pattern_file};
+use foldpath::view::Scene;
+use foldpath_tests::{Planned, path_file, pattern_file};
 use serde_json::{Value, json};
 
 use crate::chromium::View;
@@ -451,6 +452,39 @@ fn the_page_works_by_keyboard_at_all_widths() {
             std::fs::write(path, view.screenshot()).unwrap();
         }
     }
+}
+
+/// Writes the pictures of the documents into the folder `FOLDPATH_PICTURES`: `docs/pictures/shoot` runs it.
+#[test]
+#[ignore = "needs the page that web/build builds"]
+fn the_documents_have_pictures_of_the_pages() {
+    let Some(folder) = std::env::var_os("FOLDPATH_PICTURES").map(PathBuf::from) else {
+        println!("skipped: FOLDPATH_PICTURES is not set");
+        return;
+    };
+    let Some(page) = page() else { return };
+    let shoot = |view: &View, name: &str, [width, height]: [u32; 2], picture: &str| {
+        view.resize(width, height);
+        view.run(&format!(
+            "{picture}.foldpath.setPosition(0.7); {picture}.scrollTo(0, 0)"
+        ));
+        view.run(&format!("{picture}.foldpath.drawn()"));
+        std::fs::write(folder.join(name), view.screenshot()).unwrap();
+    };
+    let inside = "document.getElementById('view').contentWindow";
+    page.follow("family=waterbomb&rows=8&cols=10&fold=0.5");
+    assert_eq!(first(&page), "waterbomb-8x10.fold: planned");
+    in_picture(&page, CREASES);
+    shoot(&page, "page.png", [1280, 800], inside);
+    page.follow("family=kresling&rows=2&cols=6");
+    assert!(first(&page).contains("partial"));
+    in_picture(&page, CREASES);
+    shoot(&page, "page-no.png", [1280, 800], inside);
+    let planned = Planned::new("resch-3x3", &PlanOptions::default());
+    let scene = Scene::of_path(&path_file(&planned.text()).unwrap());
+    let view = View::open(&scene, &[]);
+    shoot(&view, "view.png", [1280, 800], "window");
+    shoot(&view, "view-phone.png", [360, 720], "window");
 }
 
 /// A Kresling pattern, whose panels have to bend.
