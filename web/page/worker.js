@@ -8,19 +8,20 @@ const ready = new Promise(resolve => { begin = resolve; });
 
 /** Formats of shapes in space, which are laid flat first. */
 const SHAPES = /\.(obj|stl)$/i;
+const laidFlat = ({ name, bytes }) => SHAPES.test(name)
+  ? [name.replace(SHAPES, ".fold"), new TextEncoder().encode(wasm_bindgen.unfold(name, bytes))]
+  : [name, bytes];
 
 const CALLS = {
+  families: () => wasm_bindgen.families(),
   generate: ({ family }) => wasm_bindgen.generate(JSON.stringify(family)),
-  plan({ name, bytes, options }, told) {
-    const text = new TextEncoder();
-    if (SHAPES.test(name)) {
-      bytes = text.encode(wasm_bindgen.unfold(name, bytes));
-      name = name.replace(SHAPES, ".fold");
-    }
+  draw: ({ options, ...file }) => wasm_bindgen.draw(...laidFlat(file), JSON.stringify(options)),
+  plan({ options, ...file }, told) {
     planned?.free();
     planned = undefined;
-    planned = wasm_bindgen.plan(name, bytes, JSON.stringify(options), told);
-    return { json: planned.json, page: planned.page(), hasPath: planned.has_path };
+    planned = wasm_bindgen.plan(...laidFlat(file), JSON.stringify(options), told);
+    const { json, suggestions, has_path: hasPath } = planned;
+    return { json, suggestions, page: planned.page(), hasPath };
   },
   check: ({ name, bytes, options }, told) => ({ json: wasm_bindgen.check(name, bytes, JSON.stringify(options), told), page: wasm_bindgen.view(name, bytes) }),
   file: ({ format }) => planned.file(format),
@@ -38,6 +39,6 @@ onmessage = async ({ data }) => {
   } catch (error) {
     // A module that has panicked, or has no more memory or stack, is not called again: the page begins another worker.
     if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) return setTimeout(() => { throw error; });
-    postMessage({ id, error: String(error.message ?? error) });
+    postMessage({ id, error: String(error.message ?? error), suggestions: error.suggestions });
   }
 };

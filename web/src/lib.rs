@@ -12,18 +12,20 @@ use std::sync::Arc;
 
 use foldpath::check::check_watched;
 use foldpath::export::fold::{motion_text, pattern_text, write_pattern};
+use foldpath::export::svg_pattern::by_letters;
 use foldpath::export::{ExportOptions, FORMATS, Place, Source};
 use foldpath::motion::{Motion, PlanAnswer};
 use foldpath::progress::Watch;
 use foldpath::read::fold::{PatternFile, parse_motion};
 use foldpath::read::{parse_pattern_with, parse_shape};
 use foldpath::request::{
-    self, CheckJson, CheckRequest, InputJson, PatternInfo, PlanJson, PlanRequest, ReadingRequest,
-    Request, RequestError,
+    self, CheckJson, CheckRequest, FAMILIES, InputJson, Kind, PatternInfo, PlanJson, PlanRequest,
+    ReadingRequest, Request, RequestError, Suggestion,
 };
 use foldpath::unfold::{UnfoldOptions, unfold as unfold_shape};
 use foldpath::view::{Scene, page};
-use js_sys::Function;
+use js_sys::{Error, Function, Reflect};
+use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 use web_time::Instant;
 
@@ -44,6 +46,46 @@ pub fn generate(family: &str) -> Result<String, JsError> {
     let object = serde_json::from_str(family).map_err(refusal)?;
     let (title, drawing) = request::generate(&object).map_err(refusal)?;
     Ok(pattern_text(&title, &drawing))
+}
+
+/// Lists the families that [`generate`] makes, as JSON: `name`, `title`, `text` and `parameters`, each with `name`, `text`,
+/// the names that it may have (`names`, or `null` for numbers), and its `default`, or the value in the first example if it has
+/// none.
+#[wasm_bindgen]
+#[must_use]
+pub fn families() -> String {
+    let families = FAMILIES.iter().map(|family| {
+        let example: Vec<&str> = family.examples[0].split_whitespace().collect();
+        let in_example = |name: &str| {
+            let pair = (example.windows(2)).find(|pair| pair[0] == format!("--{name}"))?;
+            pair[1].parse::<f64>().ok()
+        };
+        let parameters = family.parameters.iter().map(|parameter| {
+            let names = match parameter.kind {
+                Kind::Names(names) => names.iter().map(|(name, _)| *name).collect::<Vec<_>>().into(),
+                _ => Value::Null,
+            };
+            let default = match (parameter.default)() {
+                Value::Null => in_example(parameter.name).into(),
+                value => value,
+            };
+            json!({ "name": parameter.name, "text": parameter.text, "names": names, "default": default })
+        });
+        let text = request::paragraphs(family.text).collect::<Vec<_>>().join(". ");
+        let parameters: Vec<Value> = parameters.collect();
+        json!({ "name": family.name, "title": family.title, "text": text, "parameters": parameters })
+    });
+    Value::from_iter(families).to_string()
+}
+
+/// Draws a crease pattern as SVG, coloured by its letters. `options` is a JSON object of reading options by their names.
+///
+/// # Errors
+/// If the bytes hold no crease pattern, or an option cannot be met.
+#[wasm_bindgen]
+pub fn draw(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> {
+    let file = read(name, bytes, &request(options)?)?;
+    Ok(by_letters(&file.title, &file.pattern))
 }
 
 /// Describes a crease pattern as `foldpath info --json` does. `name` is that of its file, and tells the format; `options`
@@ -120,14 +162,14 @@ pub fn view(name: &str, bytes: &[u8]) -> Result<String, JsError> {
 /// (a number from 0 to 1, or `undefined`).
 ///
 /// # Errors
-/// If the bytes hold no crease pattern, or an option cannot be met.
+/// If the bytes hold no crease pattern, or an option cannot be met. The error has `suggestions`, as [`Planned::suggestions`].
 #[wasm_bindgen]
 pub fn plan(
     name: &str,
     bytes: &[u8],
     options: &str,
     told: Option<Function>,
-) -> Result<Planned, JsError> {
+) -> Result<Planned, JsValue> {
     let start = Instant::now();
     let request: PlanRequest = request(options)?;
     let file = read(name, bytes, &request.reading)?;
@@ -139,13 +181,14 @@ pub fn plan(
         Err(RequestError::Usage(text))
     };
     let path = Path::new(name);
-    let task = (request.task(path, &file, true, no_file)).map_err(refusal)?;
+    let task = (request.task(path, &file, true, no_file)).map_err(|error| unmet(&error))?;
     let read = start.elapsed();
     let planned = told::with(told, |progress| task.run(&file, read, progress));
     let input = InputJson::of(path, Some(bytes));
     let times = Some([read, Duration::ZERO, start.elapsed()]);
     let json = PlanJson::of(&planned, &request, &input, &file, times);
     let json = serde_json::to_string(&json).map_err(refusal)?;
+    let suggestions = Suggestion::of_plan(&planned.plan, &file.pattern);
     let plan = planned.plan;
     let answer = PlanAnswer {
         outcome: plan.outcome.name().into(),
@@ -159,6 +202,7 @@ pub fn plan(
     };
     Ok(Planned {
         json,
+        suggestions: as_text(&suggestions),
         is_path: plan.motion.is_some(),
         motion: plan.motion.unwrap_or_else(flat),
     })
@@ -168,6 +212,7 @@ pub fn plan(
 #[wasm_bindgen]
 pub struct Planned {
     json: String,
+    suggestions: String,
     /// `false` if no path was found.
     is_path: bool,
     /// The motion as far as it goes, or the flat sheet.
@@ -181,6 +226,13 @@ impl Planned {
     #[must_use]
     pub fn json(&self) -> String {
         self.json.clone()
+    }
+
+    /// Changes of an option that may turn a no into a yes, as JSON: `option`, `value`, and the `sentence` before and after both.
+    #[wasm_bindgen(getter)]
+    #[must_use]
+    pub fn suggestions(&self) -> String {
+        self.suggestions.clone()
     }
 
     /// `true` if there is a path, as far as it goes.
@@ -240,6 +292,29 @@ fn request<R: Request>(options: &str) -> Result<R, JsError> {
     let given = serde_json::from_str(options)
         .map_err(|error| JsError::new(&format!("options: {error}")))?;
     R::of(&given).map_err(refusal)
+}
+
+/// Returns suggestions as JSON.
+///
+/// # Panics
+/// Never: a suggestion has only texts.
+fn as_text(suggestions: &[Suggestion]) -> String {
+    serde_json::to_string(suggestions).expect("texts are JSON")
+}
+
+/// Makes an error of a request that cannot be met. It has the hint in its message, and the change that may help.
+fn unmet(error: &RequestError) -> JsValue {
+    let hint = match error {
+        RequestError::Option {
+            hint: Some(hint), ..
+        } => format!(" ({hint})"),
+        _ => String::new(),
+    };
+    let suggestions: Vec<Suggestion> = Suggestion::of_error(error).into_iter().collect();
+    let error = Error::new(&format!("{error}{hint}"));
+    // A property of a new object can always be set.
+    let _ = Reflect::set(&error, &"suggestions".into(), &as_text(&suggestions).into());
+    error.into()
 }
 
 fn refusal(error: impl Display) -> JsError {

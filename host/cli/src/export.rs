@@ -71,7 +71,10 @@ fn checked(args: &Export) -> Result<ExportOptions, CliError> {
             format.name
         ));
     }
-    let options = request.options()?;
+    let mut options = request.options()?;
+    if let Some(file) = &request.names {
+        options.names = Some(Input::of(file)?.joint_names()?);
+    }
     let reading = args.reading.get()?;
     let without_unit = ReadingRequest {
         unit: None,

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use crate::CliError;
 use crate::standard::{argument, is_stdin};
-use foldpath::pattern::{LostLines, NearLines, PatternError};
-use foldpath::planner::{CHOSEN_REACH, GoalError, Note, Reason};
+use foldpath::pattern::{CreasePattern, PatternError};
+use foldpath::planner::{GoalError, Note, Plan, Reason};
 use foldpath::read::FileError;
-use foldpath::request::{PlanRequest, RequestError};
+use foldpath::request::{PlanRequest, RequestError, Suggestion, two_digits_above};
 use foldpath::unfold::{Reason as UnfoldReason, ShapeError};
 
 /// Returns a hint on how to correct an error, if there is one.
@@ -16,90 +16,49 @@ pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error),
         CliError::Piped { error, .. } => of_file(error),
-        CliError::Request(RequestError::Goal {
-            lost:
-                Some(LostLines {
-                    kept_by: Some(tolerance),
-                    ..
-                }),
-            ..
-        }) => Some(format!("`--tolerance {tolerance}` keeps all lines")),
-        CliError::Request(RequestError::Goal { source, file, .. }) => of_goal(source, file),
+        CliError::Request(error @ RequestError::Goal { source, file, .. }) => {
+            Some(match Suggestion::of_error(error) {
+                Some(change) if change.option == "fold" => {
+                    format!("{change}; `--goal FILE` and `--crease I=DEG` name other goals")
+                }
+                Some(change) => change.to_string(),
+                None => of_goal(source, file)?,
+            })
+        }
         CliError::Request(RequestError::Option { hint, .. }) => hint.clone(),
         _ => None,
     }
 }
 
-/// Returns a hint on what to do about a note of a plan, if there is one.
-pub(crate) fn of_note(note: &Note) -> Option<String> {
-    match note {
-        Note::WouldBend(most) => {
-            let most = most.to_degrees().ceil();
-            Some(format!("`--bend {most}` lets panels bend so far"))
-        }
-        Note::NotStraightened(how) => Some(format!(
-            "`--straighten on` moves {} vertices by {:.1e} at most, and plans that sheet alone",
-            how.moved, how.farthest
-        )),
-        Note::OverlapsAtGoal(most) => {
-            Some(format!("`--contact {most:.1e}` takes that for contact"))
-        }
-        Note::PartWay(fraction) => Some(format!(
-            "`--fold {fraction}` asks for no more than that, and may do"
-        )),
-        Note::NoAngles => {
-            Some("`--fold 0.5` folds every hinge by a right angle, as those of a box".into())
-        }
-        Note::TurnTogether { .. } => {
-            Some("`--via FILE` or `--order STEPS` turns some of them before the others".into())
-        }
-        _ => None,
-    }
+/// Returns hints on what to do about a plan: changes of an option, then others.
+pub(crate) fn of_plan(plan: &Plan, request: &PlanRequest, pattern: &CreasePattern) -> Vec<String> {
+    let suggestions = Suggestion::of_plan(plan, pattern);
+    let limit = plan.reason.iter().filter_map(|it| of_limit(it, request));
+    let together = plan
+        .notes
+        .iter()
+        .any(|it| matches!(it, Note::TurnTogether { .. }));
+    let together = together
+        .then(|| "`--via FILE` or `--order STEPS` turns some of them before the others".to_owned());
+    let changes = suggestions.iter().map(ToString::to_string);
+    changes.chain(together).chain(limit).collect()
 }
 
-/// Returns a hint on what to do about the reason of a no to this request, if there is one.
-pub(crate) fn of_reason(reason: &Reason, request: &PlanRequest) -> Option<String> {
-    match reason {
-        Reason::PathStops {
-            limited: Some(hinge),
-            ..
-        } => {
-            let limits = request.limit.iter();
-            let mut limits = limits.map(|limit| (limit.edge, limit.degrees));
-            let (edge, [lower, upper]) = limits
-                .find(|(edge, _)| hinge.edges.iter().any(|member| member.index() == *edge))?;
-            Some(format!(
-                "`--limit {edge}={lower}..{upper}` holds it; a wider limit lets it turn on"
-            ))
-        }
-        Reason::NearGoal {
-            farthest: Some((_, short)),
-            flat,
-            ..
-        } if flat.is_empty() && *short <= CHOSEN_REACH => {
-            let enough = two_digits_above(short.to_degrees());
-            Some(format!(
-                "`--goal-tolerance {enough}` takes the configuration that was found"
-            ))
-        }
-        Reason::Deforms { whole, closure, .. } => {
-            let most = two_digits_above(whole.deformation.max(whole.gap).max(*closure));
-            (most <= 1.0).then(|| format!("it takes `--bound {most}` at least"))
-        }
-        Reason::NotCertified { certified, .. } => {
-            let most = two_digits_above(*certified);
-            (most <= 1.0).then(|| format!("`--bound {most}` asks for no more than is certified"))
-        }
-        _ => None,
-    }
-}
-
-/// Returns a hint on what joins lines that pass near each other, if something does.
-pub(crate) fn of_near_lines(near: &NearLines) -> Option<String> {
-    let NearLines { apart, .. } = near;
-    let tolerance = near.joined_by?;
+/// Returns a hint on the limit that stops a path, if one does.
+fn of_limit(reason: &Reason, request: &PlanRequest) -> Option<String> {
+    let Reason::PathStops {
+        limited: Some(hinge),
+        ..
+    } = reason
+    else {
+        return None;
+    };
+    let limits = request.limit.iter();
+    let mut limits = limits.map(|limit| (limit.edge, limit.degrees));
+    let (edge, [lower, upper]) =
+        limits.find(|(edge, _)| hinge.edges.iter().any(|member| member.index() == *edge))?;
     Some(format!(
-        "`--tolerance {tolerance}` joins lines {apart:.1e} apart"
+        "`--limit {edge}={lower}..{upper}` holds it; a wider limit lets it turn on"
     ))
 }
 
@@ -123,14 +82,6 @@ const MAX_NOISE_RAD: f64 = core::f64::consts::PI / 180.0;
 fn max_defect_for(error: f64) -> String {
     let most = two_digits_above(error.abs().to_degrees());
     format!("`--max-defect {most}` takes that for noise")
-}
-
-/// Returns the least number of two digits above a positive one.
-fn two_digits_above(number: f64) -> f64 {
-    let unit = 10_f64.powf(number.log10().floor() - 1.0);
-    let enough = (number / unit).floor() + 1.0;
-    // Written and read again, as `enough * unit` may have many digits.
-    format!("{:.1e}", enough * unit).parse().unwrap_or(number)
 }
 
 fn of_file(error: &FileError) -> Option<String> {
@@ -205,9 +156,6 @@ fn of_goal(error: &GoalError, file: &str) -> Option<String> {
         }
         GoalError::NoDirection => {
             "letter creases M or V, or say where to go: `--goal FILE`, or `--crease I=DEG` for one crease"
-        }
-        GoalError::Flat => {
-            "`--fold 0.5` folds along the letters; `--goal FILE` and `--crease I=DEG` name other goals"
         }
         _ => return None,
     };

@@ -31,21 +31,10 @@ pub(crate) fn run(args: &args::Plan, quiet: bool) -> Answer {
     let json = done.json(&job, Some(start));
     print_notes(quiet, &json.notes);
     let plan = &done.planned.plan;
-    let of_reason = plan
-        .reason
-        .iter()
-        .filter_map(|reason| hints::of_reason(reason, &job.request));
-    let hints = plan
-        .notes
-        .iter()
-        .filter_map(hints::of_note)
-        .chain(of_reason);
-    let is_no = plan.outcome != Outcome::Planned;
-    let near = done.file.pattern.near_lines().filter(|_| is_no);
-    hints
-        .chain(near.and_then(hints::of_near_lines))
-        .filter(|_| !quiet)
-        .for_each(|hint| say(&format!("help: {hint}")));
+    if !quiet {
+        let hints = hints::of_plan(plan, &job.request, &done.file.pattern);
+        (hints.iter()).for_each(|hint| say(&format!("help: {hint}")));
+    }
     if job.json {
         print_json(&json)?;
     } else {

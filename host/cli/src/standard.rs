@@ -11,8 +11,8 @@ use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;
 use foldpath::read::fold::{GoalFrames, PatternFile, parse_goals, parse_motion};
 use foldpath::read::{
-    FileError, Format, ReadOptions, ShapeFile, parse_drives, parse_pattern_with, parse_shape,
-    read_file, read_stream,
+    FileError, Format, JointNames, ReadOptions, ShapeFile, parse_drives, parse_pattern_with,
+    parse_shape, read_file, read_stream,
 };
 use foldpath::request::{NamedGoals, generate};
 use foldpath::sensitivity::Drive;
@@ -216,6 +216,11 @@ impl Input {
     /// Reads a table of drives.
     pub(crate) fn drives(&self) -> Result<Vec<Drive>, CliError> {
         self.parsed(|name, bytes| parse_drives(name, &text(bytes)))
+    }
+
+    /// Reads names of joints.
+    pub(crate) fn joint_names(&self) -> Result<JointNames, CliError> {
+        self.parsed(|name, bytes| JointNames::parse(name, &text(bytes)))
     }
 
     /// Reads a script of disturbances of hinges.

@@ -6,11 +6,20 @@ use std::path::Path;
 use foldpath_core::{GroupId, Membership, Node};
 
 use crate::motion::{GroupNaming, Motion};
-use crate::pattern::EdgeId;
+use crate::pattern::{CreasePattern, EdgeId};
+use crate::planner::forecast;
+use crate::progress::Watch;
 use crate::read::FileError;
+use crate::symmetry::CreaseGroups;
 
 /// Largest difference (radians, or radians per second) between two hinges that count as turning alike.
 const SAME_ANGLE_RAD: f64 = 1e-9;
+
+/// Returns the hinges that drive a sheet near flat, as `foldpath info` names them. Empty if they are not known.
+pub(super) fn drivers(pattern: &CreasePattern) -> Vec<EdgeId> {
+    let groups = CreaseGroups::find(pattern);
+    forecast(pattern, &groups, Watch::default()).drivers(pattern, &groups)
+}
 
 /// The hinges of a motion with their groups, renumbered from 0 without gaps.
 pub(super) struct HingeGroups {

@@ -13,7 +13,8 @@ use std::path::Path;
 
 use foldpath_core::{Curve, Interpolation, Node};
 
-use super::{Export, Made, Sink};
+use super::groups::drivers;
+use super::{Export, ExportOptions, Made, Sink};
 use crate::motion::{Motion, interpolation_name};
 use crate::read::FileError;
 
@@ -27,9 +28,23 @@ const PROBES_PER_CUBIC: u32 = 16;
 /// Nanoseconds of a second.
 const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
+/// Rate at which a controller sets positions, hertz.
+const UPDATE_RATE_HZ: u32 = 100;
+
+/// Hinges that are joints of a robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Joints {
+    /// All hinges.
+    #[default]
+    All,
+    /// Those that drive the sheet near flat, as `foldpath info` names them. The others follow.
+    Drivers,
+}
+
 /// Makes the file.
 pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, FileError> {
-    let trajectory = JointTrajectory::of(export.motion()?, export.name)?;
+    let trajectory = JointTrajectory::with(export.motion()?, export.name, export.options)?;
     let (points, joints) = (trajectory.points.len(), trajectory.joints.len());
     let error = trajectory.resampling_error;
     let way = if error > 0.0 {
@@ -38,15 +53,34 @@ pub(super) fn made(export: &Export<'_>, sink: &mut Sink<'_>) -> Result<Made, Fil
         "exact".into()
     };
     sink("", trajectory.text().into_bytes())?;
-    Ok(Made::told(format!(
-        "{points} points of {joints} joints, {way}"
-    )))
+    let speed = trajectory.last_speed();
+    let note = (speed > REST_RAD_PER_S).then(|| {
+        format!(
+            "the trajectory ends at {speed:.1e} radians per second, which the controller of ROS refuses unless it is told to allow \
+             it: a path with a limit of acceleration ends at rest"
+        )
+    });
+    Ok(Made {
+        told: format!("{points} points of {joints} joints, {way}"),
+        notes: note.into_iter().collect(),
+    })
 }
 
-/// A trajectory of all hinges, each a joint.
+/// Makes the parameters of a controller that follows the trajectory.
+pub(super) fn controllers_made(
+    export: &Export<'_>,
+    sink: &mut Sink<'_>,
+) -> Result<Made, FileError> {
+    let trajectory = JointTrajectory::with(export.motion()?, export.name, export.options)?;
+    sink("", trajectory.controllers().into_bytes())?;
+    let joints = trajectory.joints.len();
+    Ok(Made::told(format!("a controller of {joints} joints")))
+}
+
+/// A trajectory of hinges, each a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTrajectory {
-    /// Names of the joints: `crease_I` with the number I of the edge, in the order of the edges.
+    /// Names of the joints, in the order of the edges: `crease_I` with the number I of the edge, unless others are given.
     pub joints: Vec<String>,
     /// Points from start to end.
     pub points: Vec<Point>,
@@ -78,20 +112,47 @@ struct Sample {
 }
 
 impl JointTrajectory {
-    /// Makes the trajectory of a motion.
+    /// Makes the trajectory of all hinges of a motion.
     ///
     /// # Errors
     /// If two knots are at the same nanosecond.
     pub fn of(motion: &Motion, file: &Path) -> Result<Self, FileError> {
+        Self::with(motion, file, &ExportOptions::default())
+    }
+
+    /// Makes the trajectory of the hinges that these options name.
+    ///
+    /// # Errors
+    /// If two knots are at the same nanosecond, there are more or fewer names than hinges, or it is not known which hinges drive
+    /// the sheet.
+    pub fn with(motion: &Motion, file: &Path, options: &ExportOptions) -> Result<Self, FileError> {
         let (samples, resampling_error) = samples(motion);
         let start = samples.first().map_or(0.0, |sample| sample.time);
         let creases = motion.pattern.creases();
-        let joints = creases.iter().map(|edge| format!("crease_{edge}"));
+        let mut names: Vec<String> = match &options.names {
+            Some(names) => names.of_hinges(creases.len())?.map(Into::into).collect(),
+            None => (creases.iter().map(|edge| format!("crease_{edge}"))).collect(),
+        };
+        let is_joint = match options.joints {
+            Joints::All => vec![true; creases.len()],
+            Joints::Drivers => {
+                let drivers = drivers(&motion.pattern);
+                if drivers.is_empty() {
+                    let expected = "a sheet whose drivers are known";
+                    return Err(FileError::expected(file, "the pattern", expected, "none"));
+                }
+                creases.iter().map(|edge| drivers.contains(edge)).collect()
+            }
+        };
+        let mut chosen = is_joint.iter();
+        names.retain(|_| chosen.next() == Some(&true));
         let points = samples.iter().map(|sample| {
             let of_crease = |number: fn(&Node<f64>) -> f64| -> Vec<f64> {
-                let members = motion.memberships().into_iter();
-                let numbers = members
-                    .map(|member| member.apply(number(&sample.nodes[member.group.index()])) + 0.0);
+                let members = motion.memberships().into_iter().zip(&is_joint);
+                let members = members.filter(|(_, is_joint)| **is_joint);
+                let numbers = members.map(|(member, _)| {
+                    member.apply(number(&sample.nodes[member.group.index()])) + 0.0
+                });
                 numbers.collect()
             };
             Point {
@@ -117,13 +178,41 @@ impl JointTrajectory {
             return Err(FileError::expected(file, place, expected, found));
         }
         Ok(Self {
-            joints: joints.collect(),
+            joints: names,
             points,
             resampling_error,
             rounding_error: fastest(motion) * 0.5 / NANOSECONDS_PER_SECOND,
             kind: motion.interpolation,
             title: motion.title.clone(),
         })
+    }
+
+    /// Returns the largest speed of a joint at the end, radians per second; 0 for a trajectory without speeds.
+    fn last_speed(&self) -> f64 {
+        let last = self.points.last().into_iter();
+        let speeds = last.flat_map(|point| &point.velocities);
+        speeds.fold(0.0, |most, speed| most.max(speed.abs()))
+    }
+
+    /// Returns the YAML of a `joint_trajectory_controller` for these joints, which sends positions.
+    ///
+    /// Source: the documentation of `joint_trajectory_controller`, "Details about parameters".
+    #[must_use]
+    pub fn controllers(&self) -> String {
+        let title = self.title.escape_debug();
+        let joints = self.joints.iter().map(|joint| quoted(joint));
+        let joints = joints.collect::<Vec<_>>().join(", ");
+        let speed = self.last_speed();
+        format!(
+            "# Parameters of ros2_control for {title}\n\
+             controller_manager:\n  ros__parameters:\n    update_rate: {UPDATE_RATE_HZ}\n    \
+             joint_trajectory_controller:\n      type: joint_trajectory_controller/JointTrajectoryController\n\n\
+             joint_trajectory_controller:\n  ros__parameters:\n    joints: [{joints}]\n    \
+             command_interfaces: [position]\n    state_interfaces: [position]\n    \
+             # The trajectory ends at {speed:.1e} radians per second.\n    \
+             allow_nonzero_velocity_at_trajectory_end: {}\n",
+            speed > REST_RAD_PER_S
+        )
     }
 
     /// Returns the YAML of the message.
@@ -141,7 +230,7 @@ impl JointTrajectory {
         );
         // Writing to memory cannot fail.
         for joint in &self.joints {
-            let _complete = writeln!(text, "- {joint}");
+            let _complete = writeln!(text, "- {}", quoted(joint));
         }
         text += "points:\n";
         for point in &self.points {
@@ -155,6 +244,18 @@ impl JointTrajectory {
             );
         }
         text
+    }
+}
+
+/// Speed at the end up to which the controller of ROS takes a joint for resting: the precision of single numbers.
+const REST_RAD_PER_S: f64 = f32::EPSILON as f64;
+
+/// Returns a name as YAML has it: in quotation marks unless it is one of ours, as `on` would be no text.
+fn quoted(name: &str) -> String {
+    if name.starts_with("crease_") {
+        name.into()
+    } else {
+        format!("'{name}'")
     }
 }
 

@@ -22,15 +22,13 @@ use core::fmt::Write;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use super::groups::drivers;
 use super::mjcf_panels::{Joint, Panels};
 use super::stl::plates_of;
 use super::{Export, Made, Sink, escaped};
 use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId, Unit, VertexId};
-use crate::planner::forecast;
-use crate::progress::Watch;
 use crate::read::FileError;
-use crate::symmetry::CreaseGroups;
 
 /// Thickness of a panel, median edges.
 const THICKNESS_EDGES: f64 = 0.002;
@@ -102,8 +100,7 @@ pub fn model(motion: &Motion, file: &Path) -> Result<Model, FileError> {
 /// the size of the sheet.
 fn made_of(motion: &Motion, file: &Path, density: Option<f64>) -> Result<Model, FileError> {
     let pattern = &motion.pattern;
-    let groups = CreaseGroups::find(pattern);
-    let drivers = forecast(pattern, &groups, Watch::default()).drivers(pattern, &groups);
+    let drivers = drivers(pattern);
     let panels = Panels::of(pattern, &drivers);
     let plates = motion.plates.map(|_| plates_of(motion, file)).transpose()?;
     let thickness = plates

@@ -24,7 +24,7 @@ pub use stuck_hinge::{Drives, USUAL_RESOLUTION_DEG};
 
 use crate::motion::Motion;
 use crate::pattern::CreasePattern;
-use crate::read::FileError;
+use crate::read::{FileError, JointNames};
 
 /// A format that motions or patterns are exported to: a row of the table.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ pub enum Needs {
 }
 
 /// Options of exports. Each format takes some of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ExportOptions {
     /// Rows a second, hertz; `None` for a row at each knot.
@@ -89,6 +89,10 @@ pub struct ExportOptions {
     pub kerf: f64,
     /// Density of the panels, kilograms per cubic metre; `None` for masses in proportion to the size of the sheet.
     pub density: Option<f64>,
+    /// Hinges that are joints of a robot.
+    pub joints: joint_trajectory::Joints,
+    /// Names of the joints of all hinges; `None` for `crease_I` with the number I of the edge.
+    pub names: Option<JointNames>,
 }
 
 crate::util::changed_one_by_one!(ExportOptions);
@@ -158,6 +162,9 @@ const fn path(_: &ExportOptions) -> Needs {
 
 /// Options of what a controller follows.
 const STUCK: &[&str] = &["bound", "resolution", "period", "delay", "brake"];
+
+/// Options of the joints of a robot.
+const JOINTS: &[&str] = &["joints", "names"];
 
 /// The formats.
 pub const FORMATS: &[Format] = &[
@@ -239,9 +246,17 @@ pub const FORMATS: &[Format] = &[
         name: "joint-trajectory",
         text: "ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge",
         place: Place::File,
-        options: &[],
+        options: JOINTS,
         needs: path,
         make: joint_trajectory::made,
+    },
+    Format {
+        name: "ros2-control",
+        text: "Parameters of ros2_control in YAML: a controller that follows the trajectories of --to joint-trajectory",
+        place: Place::File,
+        options: JOINTS,
+        needs: path,
+        make: joint_trajectory::controllers_made,
     },
 ];
 

@@ -13,6 +13,7 @@ mod dxf;
 mod error;
 pub mod fold;
 mod format;
+mod joint_names;
 mod locate;
 mod merge;
 mod obj;
@@ -32,6 +33,7 @@ use std::path::Path;
 pub use drives::parse_drives;
 pub use error::FileError;
 pub use format::Format;
+pub use joint_names::JointNames;
 pub use options::{ColourLetters, LayerLetters, LettersError, ReadOptions, Straighten, TOLERANCE};
 
 use crate::pattern::{CreasePattern, Unit};

@@ -39,6 +39,7 @@ mod hints;
 mod options;
 mod order;
 mod plan;
+mod suggestion;
 mod table;
 mod values;
 
@@ -52,5 +53,6 @@ pub use hints::radians_hint;
 pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
 pub use order::Order;
 pub use plan::{NamedGoals, PlanTask, Planned};
+pub use suggestion::{Suggestion, two_digits_above};
 pub use table::{Kind, OptionInfo, Request, paragraphs};
 pub use values::{EdgeAngles, Frames, Switch};

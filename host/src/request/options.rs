@@ -15,6 +15,7 @@ use super::values::{EdgeAngles, Frames, HingePlane, Switch, Thickness};
 use crate::check::CheckOptions;
 use crate::collision::CONTACT_EDGES;
 use crate::export::csv::Column;
+use crate::export::joint_trajectory::Joints;
 use crate::export::svg_pattern::Colour;
 use crate::export::{Drives, ExportOptions, USUAL_RESOLUTION_DEG};
 use crate::folding::{BOUND, DEFAULT_BOUND};
@@ -285,6 +286,15 @@ options! {
         ///
         /// Without it masses are in proportion to the size of the sheet.
         density: Option<f64> = None, value_name: "KG_PER_M3", range: Some(DENSITY_KG_PER_M3);
+
+        /// With joint-trajectory or ros2-control: hinges that are joints
+        joints: Joints = Joints::All;
+
+        /// With joint-trajectory or ros2-control: names of the joints, a line for each hinge in the order of the edges
+        ///
+        /// By default the hinge at edge I is crease_I. There is a name for every hinge, also if `--joints drivers` leaves most of
+        /// them out.
+        names: Option<PathBuf> = None, value_name: "FILE" => |_, _| ();
 
         /// With svg: write the number of each edge at its middle, as `--crease` and `--limit` count them
         numbers: bool = false;

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::order::Order;
 use super::table::{Kind, OptionValue, word};
 use crate::export::csv::Column;
+use crate::export::joint_trajectory::Joints;
 use crate::export::svg_pattern::Colour;
 use crate::generate::Letters;
 use crate::motion::{HINGE_PLANE, PlateSides, THICKNESS};
@@ -269,6 +270,10 @@ named! {
     Column {
         "hinge": Self::Hinge, "Each hinge, named edge_I by the number of its edge";
         "group": Self::Group, "Each crease group, named group_G";
+    }
+    Joints {
+        "all": Self::All, "All hinges";
+        "drivers": Self::Drivers, "Those that drive the sheet near flat, as `info` names them; the others follow";
     }
     Colour {
         "letters": Self::Letters, "Colours of Origami Simulator: mountain red, valley blue and so on; the opacity is the goal angle";

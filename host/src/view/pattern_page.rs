@@ -67,8 +67,9 @@ pub fn pattern_page(title: &str, pattern: &CreasePattern, watch: Watch<'_>) -> S
     let json = json.replace('<', "\\u003c");
     let sheet = numbered(title, pattern);
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>crease pattern</title>\n\
-         <style>\n{STYLE}</style>\n<main>\n{sheet}</main>\n<aside></aside>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>crease pattern</title>\n\
+         <style>\n{STYLE}</style>\n<main>\n{sheet}</main>\n<aside tabindex=\"0\" aria-label=\"Edges\"></aside>\n\
          <script id=\"scene\" type=\"application/json\">{json}</script>\n<script>\n{SCRIPT}</script>\n</html>\n"
     )
 }

@@ -350,7 +350,7 @@ fn plates_are_exported_as_closed_meshes_and_outlines() {
             .sum::<usize>(),
         12
     );
-    let assembled = made("stl", &options.with(|it| it.assembled = true)).unwrap();
+    let assembled = made("stl", &(options.clone()).with(|it| it.assembled = true)).unwrap();
     assert_eq!(assembled[0].1.matches("endsolid").count(), 12);
     for (name, text) in solids {
         let corners: Vec<&str> = text
@@ -369,10 +369,13 @@ fn plates_are_exported_as_closed_meshes_and_outlines() {
             "{name}"
         );
     }
-    let wide = options.with(|it| (it.kerf, it.colour) = (0.02, Colour::Plates));
+    let wide = (options.clone()).with(|it| (it.kerf, it.colour) = (0.02, Colour::Plates));
     for (name, options) in [
         ("svg", &wide),
-        ("dxf", &wide.with(|it| it.colour = Colour::Letters)),
+        (
+            "dxf",
+            &(wide.clone()).with(|it| it.colour = Colour::Letters),
+        ),
     ] {
         let [(_, text)] = &made(name, options).unwrap()[..] else {
             panic!("{name}")

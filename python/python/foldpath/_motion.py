@@ -15,7 +15,7 @@ from ._convert import File, Floats, Integers, contiguous, floats, integers, is_f
 from ._error import FoldpathError
 from ._pattern import Pattern, Source, content
 
-Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "stl", "mjcf", "joint-trajectory"]
+Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "stl", "mjcf", "joint-trajectory", "ros2-control"]
 
 
 class Motion:
@@ -122,6 +122,8 @@ class Motion:
         assembled: bool | None = None,
         kerf: float | None = None,
         density: float | None = None,
+        joints: Literal["all", "drivers"] | None = None,
+        names: File | ArrayLike | None = None,
         numbers: bool | None = None,
         bound: float | None = None,
         resolution: float | None = None,
@@ -143,6 +145,7 @@ class Motion:
         - ``stl``: Plates for printers and mills: a folder with a file for each form, in millimetres, and a list with their numbers; ``file`` is a folder
         - ``mjcf``: Model for MuJoCo and Drake: a folder with scene.xml and a mesh for each panel; ``file`` is a folder
         - ``joint-trajectory``: ROS's trajectory_msgs/JointTrajectory in YAML: a joint for each hinge
+        - ``ros2-control``: Parameters of ros2_control in YAML: a controller that follows the trajectories of --to joint-trajectory
 
         The options:
 
@@ -158,6 +161,10 @@ class Motion:
           the drawing's unit
         - ``density``: With mjcf: density of the panels, kilograms per cubic metre. Without it masses are in
           proportion to the size of the sheet
+        - ``joints``: With joint-trajectory or ros2-control: hinges that are joints
+        - ``names``: With joint-trajectory or ros2-control: names of the joints, a line for each hinge in the order of
+          the edges. By default the hinge at edge I is crease_I. There is a name for every hinge, also if `--joints
+          drivers` leaves most of them out
         - ``numbers``: With svg: write the number of each edge at its middle, as ``crease`` and ``limit`` count them
         - ``bound``: With traj or rust: slow the path down, so that a hinge that sticks tears the sheet by no more
           than this gap. The gap is the distance between the positions that faces give one vertex, over the median

@@ -93,6 +93,84 @@ fn sheet_follows_the_slider_the_play_button_and_the_mouse() {
     view.assert_quiet();
 }
 
+#[test]
+fn a_page_plays_once_by_itself() {
+    let html = page(&scene(&planned("miura-3x3")));
+    let view = View::open_page_for("no-preference", &html, &[]);
+    view.wait_for("foldpath.position() > 0.01");
+    assert_eq!(view.run("foldpath.playing()"), json!(true));
+    view.run("foldpath.setPosition(0.99)"); // shortens the wait
+    view.wait_for("!foldpath.playing()");
+    assert_eq!(view.run("foldpath.position()"), json!(1));
+    view.assert_quiet();
+}
+
+#[test]
+fn keys_turn_the_sheet_and_pick_hinges_where_it_has_the_focus() {
+    let scene = scene(&planned("miura-3x3"));
+    let view = View::open(&scene, &[]);
+    sleep(Duration::from_millis(100));
+    assert_eq!(view.run("foldpath.position()"), json!(0), "less motion");
+    view.tab_to("document.activeElement === canvas");
+    let start = view.run("JSON.stringify(foldpath.camera())");
+    for key in ["ArrowLeft", "ArrowUp"] {
+        view.key(key);
+    }
+    assert_ne!(view.run("JSON.stringify(foldpath.camera())"), start);
+    assert_eq!(view.run("foldpath.position()"), json!(0));
+    let hinges: Vec<usize> = (0..scene.turns.len())
+        .filter(|&edge| scene.turns[edge] != 0)
+        .collect();
+    for (key, expected) in [
+        ("n", hinges[0]),
+        ("n", hinges[1]),
+        ("p", hinges[0]),
+        ("p", hinges[hinges.len() - 1]),
+    ] {
+        view.key(key);
+        assert_eq!(view.run("foldpath.view.selected"), json!(expected));
+    }
+    view.run("element('letters').checked = false");
+    view.key("n");
+    let last = hinges[hinges.len() - 1];
+    assert_eq!(view.run("foldpath.view.selected"), json!(last));
+    view.tab_to("document.activeElement === play");
+    view.key(" ");
+    view.wait_for("foldpath.position() > 0");
+    view.assert_quiet();
+}
+
+#[test]
+fn nothing_on_the_page_lies_over_anything_else_at_any_width() {
+    let mut scene = scene(&planned("waterbomb-8x10"));
+    scene.title = "A sheet with a long name that has no place beside the figures".into();
+    let view = View::open(&scene, &[]);
+    view.run("select(scene.turns.findIndex(turn => turn))");
+    for (width, height) in [(360, 640), (768, 1024), (1280, 480), (1280, 720)] {
+        view.resize(width, height);
+        for colours in ["letters", "groups", "deformation"] {
+            view.run(&format!("setColours('{colours}')"));
+            // Curves are drawn anew once their size is known.
+            view.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))).then(() => { window.drawnAt = innerHeight; }); 0");
+            view.wait_for("window.drawnAt === innerHeight");
+            for selector in [
+                "svg text",
+                "#above > *, #below > *",
+                "h1, h2, dt, dd, figcaption li",
+            ] {
+                assert_eq!(view.overlaps(selector), json!(""), "{selector} at {width}");
+            }
+            assert_eq!(
+                view.run("document.documentElement.scrollWidth"),
+                json!(width)
+            );
+        }
+    }
+    view.run("element('lines').style.marginTop = '-20px'");
+    assert_eq!(view.overlaps("#below > *"), json!("pair over lines"));
+    view.assert_quiet();
+}
+
 /// The page folds the sheet itself. Its angles between knots equal the oracle's, its shapes at knots the file's.
 #[test]
 fn panels_are_where_the_path_has_them() {
@@ -516,6 +594,12 @@ fn a_pattern_is_a_page_whose_edges_are_described_and_lit() {
     let east = of_name("east")[0];
     view.click(&format!("[data-edge=\"{east}\"]"));
     assert_eq!(lit(), [east]);
+    let north = of_name("north")[0];
+    view.run(&format!(
+        "(it => {{ it.value = {north}; it.dispatchEvent(new Event('input')); }})(document.querySelector('input'))"
+    ));
+    assert_eq!(lit(), [north]);
+    view.click(&format!("[data-edge=\"{east}\"]"));
     let said = view.text("aside p");
     assert!(
         said.starts_with(&format!("edge {east}: V")) && said.contains("names east"),

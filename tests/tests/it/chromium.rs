@@ -39,8 +39,13 @@ impl View {
         view
     }
 
-    /// Opens a page from a disk.
+    /// Opens a page from a disk, for a user who prefers that nothing moves by itself.
     pub(crate) fn open_page(html: &str, switches: &[&str]) -> Self {
+        Self::open_page_for("reduce", html, switches)
+    }
+
+    /// Opens a page from a disk, for a user with this preference of motion, `reduce` or `no-preference`.
+    pub(crate) fn open_page_for(motion: &str, html: &str, switches: &[&str]) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("path.html");
         std::fs::write(&file, html).unwrap();
@@ -64,11 +69,70 @@ impl View {
         for domain in ["Runtime", "Log", "Network", "Page"] {
             view.call(&format!("{domain}.enable"), json!({}));
         }
-        let size = json!({ "width": 1200, "height": 800, "deviceScaleFactor": 1, "mobile": false });
-        view.call("Emulation.setDeviceMetricsOverride", size);
+        view.resize(1200, 800);
+        view.prefer(&[("prefers-reduced-motion", motion)]);
         view.call("Page.navigate", json!({ "url": view.url }));
         view.wait_for("document.readyState === 'complete' && location.href !== 'about:blank'");
         view
+    }
+
+    /// Gives the window a size in pixels.
+    pub(crate) fn resize(&self, width: u32, height: u32) {
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// Sets preferences of the user, by the names of CSS.
+    pub(crate) fn prefer(&self, preferences: &[(&str, &str)]) {
+        let features = preferences.iter();
+        let features: Vec<Value> = features
+            .map(|(name, value)| json!({ "name": name, "value": value }))
+            .collect();
+        self.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": features }),
+        );
+    }
+
+    /// Opens the same page anew with something behind the `#` of its address.
+    pub(crate) fn follow(&self, fragment: &str) {
+        self.run("window.isOld = true; 0");
+        let url = format!("{}#{fragment}", self.url);
+        self.call("Page.navigate", json!({ "url": "about:blank" }));
+        self.call("Page.navigate", json!({ "url": url }));
+        self.wait_for("window.isOld === undefined && document.readyState === 'complete' && location.href !== 'about:blank'");
+    }
+
+    /// Returns the parameters of the last event with this name, once there is one.
+    pub(crate) fn event(&self, name: &str) -> Value {
+        let start = Instant::now();
+        loop {
+            self.run("0"); // reads the events before its answer
+            let devtools = self.devtools.borrow();
+            let found = devtools
+                .events
+                .iter()
+                .rfind(|event| event["method"] == name);
+            if let Some(event) = found {
+                return event["params"].clone();
+            }
+            assert!(start.elapsed() < PATIENCE, "no {name}");
+            drop(devtools);
+            sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Returns the pairs of shown elements of a selector that lie over each other, neither in the other, by their texts.
+    pub(crate) fn overlaps(&self, selector: &str) -> Value {
+        self.run(&format!(
+            "(all => all.flatMap((a, i) => all.slice(i + 1).filter(b => {{
+               const [p, q] = [a, b].map(it => it.getBoundingClientRect());
+               const over = (low, high) => Math.min(p[high], q[high]) - Math.max(p[low], q[low]);
+               return !a.contains(b) && !b.contains(a) && over('left', 'right') > 0.5 && over('top', 'bottom') > 0.5;
+             }}).map(b => [a, b].map(it => (it.id || it.textContent).slice(0, 40)).join(' over '))).join('; '))(
+             [...document.querySelectorAll('{selector}')].filter(it => it.checkVisibility() && it.getBoundingClientRect().width > 0))"
+        ))
     }
 
     /// Calls a method of the protocol and returns its result.
@@ -133,9 +197,36 @@ impl View {
         if key.chars().count() == 1 {
             event["text"] = json!(key);
         }
+        if key == "Enter" {
+            event["text"] = json!("\r");
+        }
+        // The browser knows its own keys by numbers: those that move the focus or press a button.
+        let codes = [
+            ("Tab", 9),
+            ("Enter", 13),
+            (" ", 32),
+            ("ArrowLeft", 37),
+            ("ArrowUp", 38),
+            ("ArrowRight", 39),
+            ("ArrowDown", 40),
+        ];
+        if let Some((_, code)) = codes.iter().find(|(name, _)| *name == key) {
+            event["windowsVirtualKeyCode"] = json!(code);
+        }
         self.call("Input.dispatchKeyEvent", event.clone());
         event["type"] = json!("keyUp");
         self.call("Input.dispatchKeyEvent", event);
+    }
+
+    /// Presses Tab until a condition holds.
+    pub(crate) fn tab_to(&self, condition: &str) {
+        for _ in 0..120 {
+            if self.run(condition) == json!(true) {
+                return;
+            }
+            self.key("Tab");
+        }
+        panic!("Tab does not lead to {condition}");
     }
 
     /// Clicks at this pixel of the canvas.

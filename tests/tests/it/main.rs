@@ -1,5 +1,6 @@
 //! Tests that cross crates, with one module for each subject.
 
+mod accessible;
 mod allocations;
 mod between_knots;
 mod birds_feet;

@@ -282,6 +282,108 @@ fn a_trajectory_names_its_title_and_ends_where_the_path_does() {
     assert!(!folder.path("b.yaml").exists());
 }
 
+#[test]
+fn a_trajectory_that_ends_in_motion_says_so() {
+    let folder = folder();
+    for (options, rests) in [("", false), ("--max-accel 90", true)] {
+        folder.done(&format!(
+            "plan {PATTERNS}/miura-3x3.fold {options} -o path.fold"
+        ));
+        let said = folder
+            .done("export path.fold --to joint-trajectory -o a.yaml")
+            .stderr;
+        let (_, points) = trajectory(&folder.read("a.yaml"));
+        let speeds = points.last().unwrap().velocities.iter();
+        let fastest = speeds.fold(0.0_f64, |most, speed| most.max(speed.abs()));
+        assert_eq!(fastest < 1e-7, rests, "{fastest:e}");
+        let note = format!("ends at {fastest:.1e} radians per second");
+        assert_eq!(said.contains(&note), !rests, "{said}");
+        folder.done("export path.fold --to ros2-control -o b.yaml");
+        let line = format!("allow_nonzero_velocity_at_trajectory_end: {}\n", !rests);
+        assert!(folder.read("b.yaml").contains(&line));
+    }
+    // Straight lines have no velocities, and the controller takes them.
+    folder.done(&format!(
+        "plan {PATTERNS}/miura-3x3.fold --interpolation linear -o path.fold"
+    ));
+    let said = folder.done("export path.fold --to joint-trajectory -o a.yaml");
+    assert!(!said.stderr.contains("ends at"), "{}", said.stderr);
+}
+
+/// The joints are those asked for, by the names of the file, and move as they do in the trajectory of all hinges.
+#[test]
+fn joints_are_the_drivers_and_have_the_names_given() {
+    let folder = folder_with_path();
+    folder.done("export path.fold --to joint-trajectory -o all.yaml");
+    let (all, whole) = trajectory(&folder.read("all.yaml"));
+    let info = folder.done("info miura.fold --json").stdout;
+    let info: serde_json::Value = serde_json::from_str(&info).unwrap();
+    let drivers = info["drivers"].as_array().unwrap().iter();
+    let drivers: Vec<String> = drivers.map(|edge| format!("crease_{edge}")).collect();
+    assert!(!drivers.is_empty() && drivers.len() < all.len());
+    folder.done("export path.fold --to joint-trajectory --joints drivers -o a.yaml");
+    let (joints, points) = trajectory(&folder.read("a.yaml"));
+    assert_eq!(joints, drivers);
+    let names: Vec<String> = (0..all.len())
+        .map(|hinge| format!("arm.{hinge}/on-y_"))
+        .collect();
+    folder.write(
+        "names.txt",
+        &format!("# the joints\n\n{}\n", names.join(" # one\n")),
+    );
+    folder.done(
+        "export path.fold --to joint-trajectory --names names.txt --joints drivers -o b.yaml",
+    );
+    let (named, same) = trajectory(&folder.read("b.yaml"));
+    folder.done("export path.fold --to ros2-control --names names.txt --joints drivers -o c.yaml");
+    let controllers = folder.read("c.yaml");
+    assert!(
+        controllers.contains(&format!("    joints: [{}]\n", named.join(", "))),
+        "{controllers}"
+    );
+    for (at, joint) in joints.iter().enumerate() {
+        let hinge = all.iter().position(|name| name == joint).unwrap();
+        assert_eq!(named[at], format!("'{}'", names[hinge]));
+        for ((point, same), whole) in points.iter().zip(&same).zip(&whole) {
+            for (found, expected) in [
+                (&point.positions, &whole.positions),
+                (&same.positions, &whole.positions),
+                (&point.velocities, &whole.velocities),
+            ] {
+                assert!((found[at] - expected[hinge]).abs() <= 0.0);
+            }
+        }
+    }
+    for (text, complaint) in [
+        (
+            "a\n\na\n",
+            "names.txt: line 3: expected another name, found a, as in line 1",
+        ),
+        (
+            "a\nb c\n",
+            "names.txt: line 2: expected a name of letters, digits and _ - . /, found b c",
+        ),
+        (
+            "a\nb\n",
+            "names.txt: the file: expected 12 names, one for each hinge, found 2",
+        ),
+        (
+            &*(names.join("\n") + "\nmore"),
+            "names.txt: line 13: expected 12 names, one for each hinge, found one more, more",
+        ),
+    ] {
+        folder.write("names.txt", text);
+        let refused = folder
+            .run("export path.fold --to joint-trajectory --names names.txt -o d.yaml")
+            .with_status(2);
+        assert!(refused.begins(complaint), "{refused:?}");
+        assert!(!folder.path("d.yaml").exists());
+    }
+    folder
+        .run("export path.fold --to csv --names names.txt -o d.csv")
+        .with_status(2);
+}
+
 /// Returns the values of an attribute in all elements of a kind.
 fn attributes<'a>(scene: &'a str, element: &str, attribute: &str) -> Vec<&'a str> {
     let (element, attribute) = (format!("<{element} "), format!(" {attribute}=\""));

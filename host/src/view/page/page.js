@@ -217,6 +217,12 @@ function select(edge) {
   repaint();
 }
 
+/** Returns the next hinge after the one that is picked, or the one before, from the first or the last on. */
+function hingeBeside(way) {
+  const hinges = scene.turns.flatMap((turn, edge) => turn ? [edge] : []);
+  return (way > 0 ? hinges.find(edge => edge > view.selected) : hinges.findLast(edge => edge < view.selected)) ?? hinges.at(way > 0 ? 0 : -1) ?? -1;
+}
+
 function saveImage() {
   picture?.draw(); // a canvas keeps its pixels only until the next frame
   canvas.toBlob(blob => {
@@ -262,6 +268,7 @@ const KEYS = {
   "?": () => help.showModal(),
   "+": () => zoom(1.25), "=": () => zoom(1.25), "-": () => zoom(0.8),
   "r": resetView,
+  "n": () => select(hingeBeside(1)), "p": () => select(hingeBeside(-1)),
   "Escape": () => select(-1),
 };
 COLOURS.forEach((colours, i) => { KEYS[i + 1] = () => setColours(colours); });
@@ -272,8 +279,18 @@ const SEEK = {
   Home: () => setPosition(0),
   End: () => setPosition(1),
 };
+/** Keys that turn the sheet while it has the focus, and the pixels of a drag that would. */
+const TURNS = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20] };
 addEventListener("keydown", event => {
   if (event.ctrlKey || event.altKey || event.metaKey || help.open || event.target.matches("select")) return;
+  // A slider other than that of the path has the arrow keys for itself.
+  if (event.target.matches("input[type=range]") && event.target !== fold && event.key !== "Escape") return;
+  if (event.key.length === 1 && event.key !== " " && !element("letters").checked) return;
+  if (event.target === canvas && TURNS[event.key] && !event.shiftKey) {
+    turn(...TURNS[event.key]);
+    event.preventDefault();
+    return;
+  }
   const presses = event.key === " " && event.target.matches("button, input[type=checkbox]"); // these elements handle the space bar themselves
   const action = KEYS[event.key], seek = SEEK[event.key];
   if (presses || !action && !seek) return;
@@ -345,6 +362,16 @@ new ResizeObserver(redraw).observe(canvas);
 plots.forEach(drawn => { new ResizeObserver(() => plot(drawn)).observe(drawn.svg); seekOn(drawn.svg); });
 setPosition(0);
 setColours(view.colours);
+
+// The sheet folds once by itself as soon as it is in sight, unless the user prefers less motion.
+if (picture && duration > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+  const sight = new IntersectionObserver(entries => {
+    if (!entries.some(entry => entry.isIntersecting)) return;
+    sight.disconnect();
+    if (position === 0) setPlaying(true);
+  });
+  sight.observe(canvas);
+}
 
 /** Interface for tests. */
 window.foldpath = {

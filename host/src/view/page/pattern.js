@@ -17,7 +17,13 @@
   }
 
   add('h1', scene.title);
-  const said = add('p', 'A click on a line describes its edge.');
+  const ask = add('label', 'Edge ').appendChild(document.createElement('input'));
+  Object.assign(ask, { type: 'number', min: 0, max: scene.edges.length - 1 });
+  ask.oninput = () => {
+    if (scene.edges[ask.value]) light([Number(ask.value)], describe(Number(ask.value)));
+  };
+  const said = add('p', 'A click on a line, or its number above, describes its edge.');
+  said.setAttribute('role', 'status');
   let lit = [];
 
   function light(edges, text) {

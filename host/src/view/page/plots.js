@@ -14,6 +14,8 @@ function valueNow(of) {
 const MOST_CURVES = 24, MOST_NAMED = 12;
 const PAD = { left: 40, right: 8, top: 6, bottom: 34 };
 const DEGREE = 180 / Math.PI;
+/** Pixels between two labels, one above the other, that do not lie over each other. */
+const LINE = 14;
 
 /** Curve of the angle of a group: `at` has its values at the shapes, `now` gives its value at the current time. */
 function groupCurve(group) {
@@ -62,7 +64,7 @@ function errorAxis() {
   const top = logs.length ? Math.ceil(most(logs)) : 0;
   const bottom = logs.length ? Math.min(top - 1, Math.floor(least(logs))) : -1;
   const marks = ticks(bottom, top, [1, 2, 3, 4, 5, 10, 50], 5);
-  const zero = marks[0] - Math.max(1, Math.round((top - bottom) / 8));
+  const zero = marks[0] - (marks.length > 1 ? marks[1] - marks[0] : 1);
   if (all.some(x => x === 0)) marks.unshift(zero);
   const raised = n => String(n).replace(/[-\d]/g, c => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻");
   return {
@@ -85,9 +87,13 @@ function plot({ svg, curves, axis }) {
   const x = time => PAD.left + (duration > 0 ? (time - start) / duration : 0.5) * (right - PAD.left);
   const y = value => bottom - (value - low) / (high - low) * (bottom - PAD.top);
 
-  const rows = axis.marks.map(mark =>
-    `<path class="grid" d="M${PAD.left} ${y(mark)}H${right}"/>
-     <text x="${PAD.left - 6}" y="${y(mark) + 4}" text-anchor="end">${axis.label(mark)}</text>`);
+  let labelled = Infinity; // the height of the label below
+  const rows = axis.marks.map(mark => {
+    const line = `<path class="grid" d="M${PAD.left} ${y(mark)}H${right}"/>`;
+    if (labelled - y(mark) < LINE) return line;
+    labelled = y(mark);
+    return `${line}<text x="${PAD.left - 6}" y="${labelled + 4}" text-anchor="end">${axis.label(mark)}</text>`;
+  });
   const columns = ticks(start, start + duration, DECIMAL, 5).filter(time => time >= start && time <= start + duration).map(time =>
     `<path class="grid" d="M${x(time)} ${bottom}v4"/>
      <text x="${x(time)}" y="${bottom + 15}" text-anchor="middle">${time}</text>`);
