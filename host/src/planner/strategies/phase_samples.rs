@@ -20,6 +20,8 @@ const FACES_PER_PAIR: usize = 40;
 const SAMPLES: [f64; 16] = [
     0.01, 0.03, 0.08, 0.16, 0.24, 0.32, 0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.95, 0.985, 1.0,
 ];
+/// The numbers of these samples in an order in which the first few are spread over the whole phase.
+const SPREAD: [usize; 16] = [15, 14, 9, 4, 12, 2, 6, 13, 11, 8, 0, 10, 7, 5, 3, 1];
 /// Number of times that the part between a sample that is free and one that crosses is halved, to tell how far phases lead
 /// that part the creases in nearly the same way.
 const HALVINGS: usize = 6;
@@ -100,16 +102,14 @@ impl<'a> PhaseSamples<'a> {
         found
     }
 
-    /// Returns `true` if no crossing is found while the creases of a phase turn. Asks from the end on, near which most of those
+    /// Returns `true` if no crossing is found while the creases of a phase turn. Asks first near the end, where most of those
     /// that cross do.
     pub(super) fn is_free(&mut self, before: &FixedBitSet, phase: &FixedBitSet) -> bool {
         let sets = [before.clone(), phase.clone()];
         if let Some(known) = self.known.get(&sets) {
             return known.is_none();
         }
-        let mut from_end = SAMPLES;
-        from_end.reverse();
-        let found = self.first(&sets, &from_end);
+        let found = self.first(&sets, &SPREAD.map(|sample| SAMPLES[sample]));
         self.known.insert(sets, found);
         found.is_none()
     }
