@@ -12,7 +12,7 @@ use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
 use crate::values::{Gravity, Seeded, Shard, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
-use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
+use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -179,20 +179,10 @@ pub(crate) struct Info {
     pub(crate) report: Report,
 }
 
-/// Shapes that `unfold` cuts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Cut {
-    /// Those that no plane holds whole
-    #[default]
-    Auto,
-    /// None
-    None,
-}
-
 #[derive(Debug, Args)]
 #[command(after_help = examples([
     "unfold path.fold -o unfolded.fold",
-    "unfold path.fold --frame 3 -o third.fold --json",
+    "unfold path.fold --frame 3 --unit mm -o third.fold --json",
 ]))]
 pub(crate) struct Unfold {
     /// Folded shape: a FOLD file with faces in space, or a file that ends in .obj or .stl
@@ -202,18 +192,8 @@ pub(crate) struct Unfold {
     /// Crease pattern to write, a FOLD file; written only if the shape unfolds
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// Frame of a FOLD file; the key frame is 0 [default: the last folded form, or else the key frame]
-    #[arg(long, value_name = "N")]
-    pub(crate) frame: Option<usize>,
-    /// Largest error of the shape that is taken for noise, degrees
-    ///
-    /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane. Defects that the rounding
-    /// of the file's coordinates explains, by their digits, are taken for noise as well.
-    #[arg(long, default_value_t = 0.01, value_name = "DEG")]
-    pub(crate) max_defect: f64,
-    /// Which shapes are cut so that they lie flat
-    #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
-    pub(crate) cut: Cut,
+    #[command(flatten)]
+    pub(crate) request: Options<UnfoldRequest>,
     #[command(flatten)]
     pub(crate) report: Report,
 }

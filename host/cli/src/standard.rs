@@ -214,7 +214,10 @@ impl Input {
     }
 
     /// Reads a table of drives.
-    pub(crate) fn drives(&self) -> Result<Vec<Drive>, CliError> {
+    ///
+    /// # Errors
+    /// If it cannot be read, or a line is no drive.
+    pub fn drives(&self) -> Result<Vec<Drive>, CliError> {
         self.parsed(|name, bytes| parse_drives(name, &text(bytes)))
     }
 

@@ -21,6 +21,7 @@ use crate::progress::Watch;
 use crate::read::fold::PatternFile;
 use crate::sensitivity::{Drive, HingePlay, Loads, Peak, Tolerance};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
+use crate::unfold::Unfolding;
 
 /// Largest number of panels that bend that are named.
 const MAX_BENDS: usize = 8;
@@ -238,6 +239,20 @@ answers! {
         drive: String = drive.name.clone();
         fits: bool = at.is_none();
         at: Option<f64> = at;
+    }
+
+    /// The answer to unfolding a shape, which serialises to the JSON object of `foldpath unfold --json`. The reason is that of
+    /// the outcome, in a sentence.
+    UnfoldJson of (unfolding: &Unfolding, reason: Option<String>) {} {
+        outcome: &'static str = unfolding.outcome.name();
+        reason: Option<String> = reason;
+        vertices: usize = unfolding.vertices;
+        faces: usize = unfolding.faces;
+        creases: usize = unfolding.creases;
+        cuts: usize = unfolding.cuts;
+        pieces: usize = unfolding.pieces;
+        max_angle_defect: f64 = unfolding.max_angle_defect.to_degrees();
+        max_closure: Option<f64> = unfolding.max_closure;
     }
 
     /// Two faces that pass through each other.

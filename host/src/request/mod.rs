@@ -44,12 +44,14 @@ mod values;
 
 pub use answers::{
     CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, LoadsJson, PatternInfo, PlanJson,
-    ToleranceJson,
+    ToleranceJson, UnfoldJson,
 };
 pub use error::RequestError;
 pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;
-pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
+pub use options::{
+    CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest, timeout,
+};
 pub use order::Order;
 pub use plan::{NamedGoals, PlanTask, Planned};
 pub use table::{Kind, OptionInfo, Request, paragraphs};

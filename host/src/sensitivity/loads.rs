@@ -454,10 +454,14 @@ impl<'a> LoadedMotion<'a> {
             torque: 0.0,
             at: 0.0,
         };
+        let members = self.motion.memberships();
         let speeds = self.moments.iter().map(|moment| {
-            let drivers = drivers.iter();
-            let speed = |&driver: &usize| speed(self.motion, driver, moment.time);
-            drivers.map(speed).collect()
+            let rates = self.motion.rates(moment.time);
+            let speed = |&driver: &usize| {
+                let member = members[driver];
+                member.apply(rates[member.group.index()])
+            };
+            drivers.iter().map(speed).collect()
         });
         Loads {
             drivers: drivers
@@ -473,19 +477,6 @@ impl<'a> LoadedMotion<'a> {
             left_out: self.left_out,
         }
     }
-}
-
-/// Returns the speed of a crease at a time, radians per second.
-fn speed(motion: &Motion, crease: usize, time: f64) -> f64 {
-    if motion.segments() == 0 {
-        return 0.0;
-    }
-    let after = motion.knots.partition_point(|knot| knot.time <= time);
-    let segment = after.clamp(1, motion.segments()) - 1;
-    let (from, to) = (motion.knots[segment].time, motion.knots[segment + 1].time);
-    let curve = motion.curve(segment, motion.pattern.creases()[crease]);
-    let [rate, _] = curve.derivatives((time - from) / (to - from));
-    rate / (to - from)
 }
 
 /// Area and centre of mass of each face, in units of the sheet.

@@ -627,6 +627,10 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
             "the changed pattern does not fold: of its effect on closure, 3.0e-1 radians, 2.0e-1 are left",
         ),
         (
+            NoDerivative::NotDrivers { size: 2 }.to_string(),
+            "the drivers that are given do not determine the other hinges: expected 2 hinges that do",
+        ),
+        (
             NoTolerance::Flat.to_string(),
             "no hinge is folded by 10 degrees at any time",
         ),
