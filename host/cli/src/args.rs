@@ -89,9 +89,10 @@ pub(crate) enum Command {
     Export(Export),
     /// Plan many designs: JSON lines in, JSON lines out
     ///
-    /// A line that is read is {"id":TEXT, "pattern":FILE, "plan":{OPTION:VALUE}, "path":FILE}; in place of "pattern", a
-    /// line may have "generate" with a "family" and its parameters. "plan" and "path" may be left out. A line that is
-    /// written is the answer of `foldpath plan --json` with the id before it, or the id with an "error".
+    /// A line that is read is {"id":TEXT, "pattern":FILE, "plan":{OPTION:VALUE}, "path":FILE}; "pattern" may be a FOLD object
+    /// as well. In its place, a line may have "generate" with a "family" and its parameters. "plan" and "path" may be left
+    /// out. A line that is written is the answer of `foldpath plan --json` with id and "design" before it and "figures" behind
+    /// it, or these with an "error".
     ///
     /// Each design is planned by itself. One that cannot be read, ends its process or hangs is told in its line.
     /// Results come in the order of the designs.
@@ -224,6 +225,11 @@ pub(crate) struct Batch {
     /// Designs whose ids are among the results are skipped. The rest of a line that an interrupted run has left is cut off.
     #[arg(long)]
     pub(crate) resume: bool,
+    /// As --resume, but plan designs again whose result is an error
+    ///
+    /// Their results are removed from the file first.
+    #[arg(long)]
+    pub(crate) retry_errors: bool,
     /// Timeout of designs that name none, seconds
     #[arg(long, default_value_t = 60.0, value_name = "SECONDS")]
     pub(crate) timeout: f64,

@@ -13,7 +13,7 @@ use super::order::Order;
 use super::plan::Planned;
 use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
-use crate::folding::worst_amplification;
+use crate::folding::{FoldingMap, small_box, smallest_rectangle, worst_amplification};
 use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
 use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
@@ -22,6 +22,7 @@ use crate::read::fold::PatternFile;
 use crate::sensitivity::{Drive, HingePlay, Loads, Peak, Tolerance};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use crate::unfold::Unfolding;
+use crate::util::nan_max::largest;
 
 /// Largest number of panels that bend that are named.
 const MAX_BENDS: usize = 8;
@@ -108,6 +109,23 @@ answers! {
         precision: PrecisionJson = PrecisionJson::of(pattern.precision());
         thickness: Option<f64> = plan.thickness;
         max_thickness: Option<[f64; 2]> = plan.max_thickness;
+    }
+
+    /// Figures by which designs are ranked, in a result of `foldpath batch`: of the flat sheet, and of the thin sheet at the end
+    /// of its motion. Sides of boxes begin with the longest.
+    FiguresJson of (motion: &Motion) {
+        let pattern = &motion.pattern;
+        let folded = motion.crease_angles(motion.knots.len() - 1);
+        let folded = FoldingMap::new(pattern, pattern.tree(), &folded);
+        let flat_box = smallest_rectangle(pattern.vertices());
+        let folded_box = small_box(pattern, folded.vertices());
+        let ratio = flat_box[0] * flat_box[1] / (folded_box[0] * folded_box[1]);
+        let angles = motion.knots.iter().flat_map(|knot| &knot.angles);
+    } {
+        flat_box: [f64; 2] = flat_box;
+        folded_box: [f64; 3] = folded_box;
+        packing_ratio: Option<f64> = Some(ratio).filter(|ratio| ratio.is_finite());
+        largest_angle: f64 = largest(angles.map(|angle| angle.abs())).to_degrees();
     }
 
     /// Units of the last digit of a pattern's numbers: of its coordinates, and of its goal angles in degrees. Exact numbers

@@ -43,8 +43,8 @@ mod table;
 mod values;
 
 pub use answers::{
-    CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, LoadsJson, PatternInfo, PlanJson,
-    ToleranceJson, UnfoldJson,
+    CauseJson, CheckJson, EdgeInfo, EdgesInfo, FiguresJson, InputJson, LoadsJson, PatternInfo,
+    PlanJson, ToleranceJson, UnfoldJson,
 };
 pub use error::RequestError;
 pub use families::{FAMILIES, FamilyInfo, generate};

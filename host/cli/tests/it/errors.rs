@@ -164,6 +164,7 @@ fn usage() {
         batch designs.jsonl -o results.jsonl --jobs 0
         batch designs.jsonl -o results.jsonl --timeout 0
         batch designs.jsonl -o - --resume
+        batch designs.jsonl -o - --retry-errors
         export path.fold --to dwg -o a.dwg
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold
