@@ -252,7 +252,10 @@ impl Sheet {
         let text = waiting(py, Threads::Some(1), move |progress| {
             let deadline = timeout.and_then(|time| Instant::now().checked_add(time));
             let watch = Watch::new(progress).until(deadline);
-            let info = PatternInfo::of(read.pattern(), watch);
+            let mut info = PatternInfo::of(read.pattern(), watch);
+            let source = Source::of_stream(&read.name.to_string_lossy(), &read.bytes);
+            let motion = source.ok().and_then(|source| source.motion_of_sheet());
+            motion.iter().for_each(|motion| info.moved_by(motion));
             serde_json::to_string(&info).unwrap_or_default()
         })?;
         Ok(text)

@@ -196,6 +196,13 @@ impl Input {
         self.parsed(parse_motion)
     }
 
+    /// Reads the motion of a sheet whose file has one; `None` for a crease pattern.
+    #[must_use]
+    pub fn motion_of_sheet(&self) -> Option<Motion> {
+        let is_fold = self.format() == Format::Fold;
+        is_fold.then(|| self.motion().ok())?
+    }
+
     /// Reads the goal angles (radians) of the creases of a pattern in some frames, and returns them with the name of this
     /// input.
     pub(crate) fn named_goals(

@@ -16,10 +16,14 @@ use crate::collision::SweepCounts;
 use crate::folding::{FoldingMap, small_box, smallest_rectangle, worst_amplification};
 use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
-use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
+use crate::planner::{
+    Attempt, Cause, DEFAULT_MAX_SPEED_DEG_PER_S, Forecast, Outcome, Plan, forecast,
+};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
-use crate::sensitivity::{Drive, HingePlay, Loads, Peak, Tolerance};
+use crate::sensitivity::{
+    Drive, HingePlay, Loads, Peak, Tolerance, skew_bound, skew_residual, skew_residual_of_sheet,
+};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
 use crate::unfold::Unfolding;
 use crate::util::nan_max::largest;
@@ -299,6 +303,8 @@ answers! {
         let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
         let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
         let forecast = forecast(pattern, &crease_groups, watch);
+        let amplification = worst_amplification(pattern, pattern.tree());
+        let residual = skew_residual_of_sheet(pattern, DEFAULT_MAX_SPEED_DEG_PER_S.to_radians());
         assumptions.extend(forecast.straightened.map(|how| format!("the forecast is that of the sheet {how}")));
     } {
         vertices: usize = pattern.vertices().len();
@@ -314,7 +320,7 @@ answers! {
         groups: usize = crease_groups.len();
         essential_vertices: usize = stars.vertices().len();
         closure_goal: Option<f64> = closure_goal;
-        amplification: Option<f64> = worst_amplification(pattern, pattern.tree());
+        amplification: Option<f64> = amplification;
         repairs: Vec<String> = pattern.repairs().to_vec();
         assumptions: Vec<String> = assumptions;
         verdict: &'static str = forecast.foldability.name();
@@ -323,6 +329,7 @@ answers! {
         flat_dof: Option<usize> = forecast.flat_motions();
         goal_dof: Option<usize> = forecast.goal_motions;
         drivers: Vec<usize> = edges(&forecast.drivers(pattern, &crease_groups));
+        skew_bound: Option<f64> = residual.zip(amplification).and_then(|(residual, factor)| skew_bound(residual, factor));
         /// Number of spokes of all essential vertices, for which a controller needs room.
         #[serde(skip)]
         spokes: usize = stars.view().iter().map(|star| star.spokes.len()).sum();
@@ -351,6 +358,14 @@ answers! {
         edges: Vec<usize> = edges(&cause.edges);
         at: [f64; 2] = cause.at;
         message: String = cause.to_string();
+    }
+}
+
+impl PatternInfo {
+    /// Replaces the bound on the skew, which is that of any motion at the usual speed, by that of this motion of the sheet.
+    pub fn moved_by(&mut self, motion: &Motion) {
+        let both = skew_residual(motion).zip(self.amplification);
+        self.skew_bound = both.and_then(|(residual, factor)| skew_bound(residual, factor));
     }
 }
 

@@ -35,12 +35,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Tolerance`] answers how exactly a sheet has to be made, [`Loads`] how strong its drives have to be.
+//! [`Tolerance`] answers how exactly a sheet has to be made, [`Loads`] how strong its drives have to be, and [`skew_bound`] how
+//! far apart in time its boards may be.
 
 mod conditions;
 mod loads;
 mod null_space;
 mod places;
+mod skew;
 mod tolerance;
 
 use nalgebra::{DMatrix, Vector2, Vector3};
@@ -51,6 +53,7 @@ use conditions::{Linearised, NormalFactor, magnitude, times, transposed};
 pub use loads::{Drive, Load, Loads, NoLoads, Peak, REGULAR, STANDARD_GRAVITY};
 use null_space::NullSpace;
 use places::{FoldedSheet, PatternRates};
+pub use skew::{skew_bound, skew_residual, skew_residual_of_sheet};
 pub use tolerance::{FROM_DEG, HingePlay, NoTolerance, PlayKind, Tolerance};
 
 use crate::motion::Motion;

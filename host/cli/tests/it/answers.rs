@@ -46,7 +46,7 @@ fn info_shape() -> Value {
             "message": "text",
         }],
         "locked_creases": ["count"], "flat_dof": "count|null", "goal_dof": "count|null",
-        "drivers": ["count"],
+        "drivers": ["count"], "skew_bound": "number|null",
     })
 }
 
