@@ -3,16 +3,17 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use foldpath::check::check_watched;
 use foldpath::export::fold::motion_text;
 use foldpath::folding::FoldingMap;
 use foldpath::motion::Motion;
-use foldpath::pattern::{FaceId, Unit};
+use foldpath::pattern::{EdgeId, FaceId, Unit};
 use foldpath::plot::{Curves, svg};
 use foldpath::progress::Watch;
 use foldpath::read::check_unit;
-use foldpath::request::{CheckJson, CheckRequest, LoadsJson, Request, ToleranceJson};
+use foldpath::request::{CheckJson, CheckRequest, LoadsJson, Request, ToleranceJson, timeout};
 use foldpath::sensitivity::{Drive, Load, Loads, Tolerance};
 use foldpath::view::{Scene, page};
 use foldpath_cli::embed::{Source, export_motion, write_file, write_path};
@@ -247,6 +248,7 @@ impl Path {
         py: Python<'_>,
         error: Option<f64>,
         play: Option<f64>,
+        seconds: Option<f64>,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
@@ -263,10 +265,11 @@ impl Path {
                 format!("{name}: expected a number above 0, found {value}"),
             ));
         }
+        let deadline = deadline(py, seconds)?;
         let motion = Arc::clone(&self.motion);
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
-            let tolerance =
-                Tolerance::of(&motion, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let watch = Watch::new(progress).until(deadline);
+            let tolerance = Tolerance::of(&motion, watch).map_err(|no| no.to_string())?;
             let error = match name {
                 "error" => Some(value),
                 _ => Some(tolerance.error_for(value)).filter(|error| error.is_finite()),
@@ -289,13 +292,17 @@ impl Path {
         fixed: Option<u32>,
         gravity: [f64; 3],
         spring: f64,
+        springs: Vec<(u32, f64)>,
+        drivers: Option<usize>,
         drives: Vec<(String, f64, f64)>,
         unit: Option<String>,
+        seconds: Option<f64>,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
-        let not_negative = [("areal_density", areal_density), ("spring", spring)];
-        for (name, value) in not_negative {
+        let not_negative = [("areal_density", areal_density), ("spring", spring)].into_iter();
+        let single = springs.iter().map(|(_, stiffness)| ("spring", *stiffness));
+        for (name, value) in not_negative.chain(single) {
             if !(value >= 0.0 && value.is_finite()) {
                 let text = format!("{name}: expected a number from 0, found {value}");
                 return Err(usage(py, text));
@@ -334,10 +341,16 @@ impl Path {
             fixed: fixed.map(FaceId),
             gravity: gravity.into(),
             spring,
+            springs: springs
+                .into_iter()
+                .map(|(edge, stiffness)| (EdgeId(edge), stiffness))
+                .collect(),
         };
+        let deadline = deadline(py, seconds)?;
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
-            let loads =
-                Loads::least(&motion, &load, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let watch = Watch::new(progress).until(deadline);
+            let loads = Loads::least_of(&motion, &load, drivers, watch);
+            let loads = loads.map_err(|no| no.to_string())?;
             let json = LoadsJson::of(&motion, &loads, &drives);
             Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
         })?;
@@ -359,6 +372,12 @@ impl Path {
             place: format!("at {time} s, "),
         })
     }
+}
+
+/// Returns the end of a time in seconds that begins now.
+fn deadline(py: Python<'_>, seconds: Option<f64>) -> PyResult<Option<Instant>> {
+    let timeout = timeout(seconds).map_err(|refused| error(py, refused))?;
+    Ok(timeout.and_then(|time| Instant::now().checked_add(time)))
 }
 
 /// Reads a table of drives: name, stall torque (newton metres) and speed (degrees per second) of each.

@@ -292,6 +292,27 @@ def test_play_and_torques_are_those_of_the_command(loaded: tuple[fp.Motion, Path
         assert loads == json.loads(told.out)
     with pytest.raises(fp.FoldpathError, match="NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S"):
         fp.loads(motion, 0.8, unit="mm", drives=path)
+    # Springs of single hinges, whichever way they are named.
+    springs = np.full(len(motion.edges), np.nan)
+    hinge = int(motion.hinges[0])
+    springs[hinge] = 0.02
+    told = json.loads(
+        command("loads", path, "--areal-density=0.8", "--unit=mm", f"--spring={hinge}=0.02", "--json").out
+    )
+    everywhere = fp.loads(motion, 0.8, unit="mm", spring=0.02)
+    assert everywhere["torques"] != told["torques"]
+    for spring in ({hinge: 0.02}, springs):
+        assert fp.loads(motion, 0.8, unit="mm", spring=spring, timeout=60) == told
+    shared = fp.loads(motion, 0.8, unit="mm", spring=0.02, drivers=2)
+    told = json.loads(command("loads", path, "--areal-density=0.8", "--unit=mm", "--spring=0.02", "--drivers=2", "--json").out)
+    assert shared == told and abs(shared["peak"]["torque"]) < abs(everywhere["peak"]["torque"])
+    with pytest.raises(fp.FoldpathError, match="expected 1 to 31 drivers"):
+        fp.loads(motion, 0.8, unit="mm", drivers=0)
+    with pytest.raises(fp.FoldpathError, match="is no hinge, and has no spring"):
+        fp.loads(motion, 0.8, unit="mm", spring={0: 1.0})
+    for call in (lambda: fp.loads(motion, 0.8, unit="mm", timeout=0), lambda: fp.tolerance(motion, 0.001, timeout=0)):
+        with pytest.raises(fp.FoldpathError, match="time ran out before"):
+            call()
     with pytest.raises(fp.FoldpathError, match="unit of length"):
         fp.loads(motion, 0.8)
     with pytest.raises(fp.FoldpathError, match="expected one of error and play"):

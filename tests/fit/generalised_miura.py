@@ -83,7 +83,7 @@ class GeneralisedMiura:
         for i in range(m):
             for j in range(n):
                 if i and j:
-                    # Where the crease to the east of the vertex before meets that to the north of the vertex below.
+                    # The crease to the east of the vertex before meets that to the north of the vertex below.
                     a, b = inner[i, j - 1], inner[i - 1, j]
                     u, v, gap = east[:, i, j - 1], north[:, i - 1, j], b - a
                     inner[i, j] = a + u * (gap[0] * v[1] - gap[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])

@@ -10,7 +10,7 @@ use foldpath_firmware_sim::hinges;
 
 use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
-use crate::values::{Gravity, Seeded, Shard, Target, above_zero, zero_or_above};
+use crate::values::{Gravity, Seeded, Shard, Spring, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
 use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest};
 
@@ -55,13 +55,15 @@ pub(crate) enum Command {
     /// beside the fold. The worst case is over all errors of up to --error in each coordinate of each vertex, the expected
     /// value is the root mean square for independent uniform errors, both to first order and over the whole motion from the
     /// moment that a hinge is folded by 10 degrees. A turn by a radian counts as much as a shift by the median edge.
+    ///
+    /// Exit status: 0 for an answer; 1 if time runs out; 2 for bad input or usage.
     Tolerance(Tolerance),
     /// Tell how strong the drives of a sheet have to be, against gravity and springs
     ///
     /// The sheet is at rest at each moment; friction and acceleration are left out. A set of drivers has as many hinges as the
     /// sheet has degrees of freedom; the one whose largest torque is least is told.
     ///
-    /// Exit status: 0 if each drive of --drives fits; 1 if one stalls; 2 for bad input or usage.
+    /// Exit status: 0 if each drive of --drives fits; 1 if one stalls, or time runs out; 2 for bad input or usage.
     Loads(Loads),
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
@@ -81,10 +83,8 @@ pub(crate) enum Command {
     #[command(mut_arg("path", |path| path.help("Path, a FOLD animation; or any crease pattern")))]
     #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
     View(Shown),
-    /// Draw curves of fold angles, errors and clearance along a path
-    #[command(after_help = examples(["plot path.fold -o plots.svg", "plot path.fold -o plots.png"]))]
-    #[command(mut_arg("output", |output| output.help("Picture to write, an SVG or PNG file by its ending .svg or .png")))]
-    Plot(Shown),
+    /// Draw curves of fold angles, errors, clearance and torques along a path
+    Plot(Plot),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
     /// Plan many designs: JSON lines in, JSON lines out
@@ -301,6 +301,9 @@ pub(crate) struct Tolerance {
     /// Largest play of a hinge, in the file's unit: tells the error that it allows
     #[arg(long, value_name = "P", value_parser = above_zero)]
     pub(crate) play: Option<f64>,
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
@@ -312,6 +315,7 @@ pub(crate) struct Tolerance {
 #[command(after_help = examples([
     "loads path.fold --areal-density 0.8 --unit mm",
     "loads path.fold --areal-density 0.8 --unit mm --gravity 0,-9.81,0 --spring 0.001 --json",
+    "loads path.fold --areal-density 0.8 --unit mm --spring 4=0.02 --drivers 2",
 ]))]
 pub(crate) struct Loads {
     /// Path, a FOLD animation
@@ -319,25 +323,68 @@ pub(crate) struct Loads {
     /// Mass of the panels, kilograms per square metre
     #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
     pub(crate) areal_density: f64,
-    /// Face that is held [default: the first face of the spanning tree, in the middle of the sheet]
-    #[arg(long, value_name = "FACE")]
-    pub(crate) fixed: Option<u32>,
-    /// Acceleration of gravity, metres per second squared, in the frame of the drawing with the held face in its place
-    /// [default: 0,0,-9.80665]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) gravity: Option<Gravity>,
-    /// Stiffness of a spring in each hinge that rests flat, newton metres per radian
-    #[arg(long, value_name = "NM_PER_RAD", default_value_t = 0.0, value_parser = zero_or_above)]
-    pub(crate) spring: f64,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Number of drivers [default: as many as the sheet has degrees of freedom]
+    ///
+    /// More drivers share the load so that the sum of the squares of their torques is least.
+    #[arg(long, value_name = "N")]
+    pub(crate) drivers: Option<usize>,
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    ///
+    /// The best set of drivers that was found by then is told.
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     /// Table of drives, a line NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S for each: tells which fit
     #[arg(long, value_name = "FILE")]
     pub(crate) drives: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) reading: Options<ReadingRequest>,
-    #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
+}
+
+/// Load of a sheet, beside the mass of its panels.
+#[derive(Debug, Args)]
+pub(crate) struct LoadArgs {
+    /// Face that is held [default: the first face of the spanning tree, in the middle of the sheet]
+    #[arg(long, value_name = "FACE", requires = "areal_density")]
+    pub(crate) fixed: Option<u32>,
+    /// Acceleration of gravity, metres per second squared, in the frame of the drawing with the held face in its place
+    /// [default: 0,0,-9.80665]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        requires = "areal_density"
+    )]
+    pub(crate) gravity: Option<Gravity>,
+    /// Stiffness of a spring in each hinge that rests flat, newton metres per radian; I=NM_PER_RAD for the hinge at edge I alone;
+    /// repeatable
+    #[arg(long, value_name = "NM_PER_RAD", requires = "areal_density")]
+    pub(crate) spring: Vec<Spring>,
+    #[command(flatten)]
+    pub(crate) reading: Options<ReadingRequest>,
+}
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = examples([
+    "plot path.fold -o plots.svg",
+    "plot path.fold -o plots.png",
+    "plot path.fold --areal-density 0.8 --unit mm -o torques.svg",
+]))]
+pub(crate) struct Plot {
+    /// Path, a FOLD animation
+    pub(crate) path: PathBuf,
+    /// Picture to write, an SVG or PNG file by its ending .svg or .png
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Draw the torques of the drivers as well, as loads tells them: mass of the panels, kilograms per square metre
+    #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
+    pub(crate) areal_density: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 }
 
 #[derive(Debug, Args)]

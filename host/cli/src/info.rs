@@ -111,7 +111,7 @@ fn summary(file: &PatternFile, info: &PatternInfo, moves: bool) -> String {
                 true => "along this path",
                 false => "at 45 degrees a second",
             };
-            format!("{skew:.1e} s between boards {speed} gape by at most {DEFAULT_BOUND}")
+            format!("boards may be {skew:.1e} s apart {speed}: gaps stay within {DEFAULT_BOUND}")
         },
     );
     format!(

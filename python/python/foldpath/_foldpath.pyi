@@ -78,7 +78,7 @@ class Path:
     def jvp(self, time: float, vertices: bytes, drivers: bytes) -> tuple[bytearray, bytearray]: ...
     def vjp(self, time: float, by_angles: bytes, by_vertices: bytes) -> tuple[bytearray, bytearray]: ...
     def tolerance(
-        self, error: float | None, play: float | None, jobs: int | None, is_forked: bool
+        self, error: float | None, play: float | None, seconds: float | None, jobs: int | None, is_forked: bool
     ) -> str: ...
     def loads(
         self,
@@ -86,8 +86,11 @@ class Path:
         fixed: int | None,
         gravity: tuple[float, float, float],
         spring: float,
+        springs: list[tuple[int, float]],
+        drivers: int | None,
         drives: list[tuple[str, float, float]],
         unit: str | None,
+        seconds: float | None,
         jobs: int | None,
         is_forked: bool,
     ) -> str: ...

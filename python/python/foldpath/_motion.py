@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import operator
 import os
+from collections.abc import Mapping
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -369,16 +371,17 @@ def tolerance(
     error: float | None = None,
     *,
     play: float | None = None,
+    timeout: float | None = None,
     jobs: int | None = None,
 ) -> dict[str, Any]:
     """Tell how exactly a sheet has to be made: the object of ``foldpath tolerance --json``.
 
     ``error`` is the largest error of each coordinate of each vertex, in the file's unit. With ``play`` in its place, the
-    answer has the error that this play allows.
+    answer has the error that this play allows. ``timeout`` is in seconds: :class:`FoldpathError` is raised when it is over.
     """
     if not isinstance(motion, Motion):
         motion = load(motion)
-    told = motion._path.tolerance(error, play, threads(jobs), is_forked())
+    told = motion._path.tolerance(error, play, timeout, threads(jobs), is_forked())
     answer: dict[str, Any] = json.loads(told)
     return answer
 
@@ -389,25 +392,38 @@ def loads(
     *,
     fixed: int | None = None,
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.80665),
-    spring: float = 0.0,
+    spring: float | Mapping[int, float] | ArrayLike = 0.0,
+    drivers: int | None = None,
     drives: File | list[tuple[str, float, float]] | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
+    timeout: float | None = None,
     jobs: int | None = None,
 ) -> dict[str, Any]:
     """Tell how strong the drives of a sheet have to be: the object of ``foldpath loads --json``.
 
     ``areal_density`` is in kilograms per square metre, ``gravity`` in metres per second squared in the frame of the drawing
-    with face ``fixed`` in its place, ``spring`` in newton metres per radian. ``drives`` has name, stall torque (newton
+    with face ``fixed`` in its place, ``spring`` in newton metres per radian: of each hinge, or
+    of single ones in a dictionary from edges, or an array with that of each edge, (E,), nan where there is none. ``drivers`` is the number of drivers, at least
+    the degrees of freedom; more share the load with the least sum of squares. ``drives`` has name, stall torque (newton
     metres) and speed without load (degrees per second) of each kind of drive, or is a file of such lines. ``unit`` is the unit of lengths, if the file
-    tells none.
+    tells none. After ``timeout`` seconds the best set of drivers found by then is told; :class:`FoldpathError` is raised if there
+    is none.
     """
     if not isinstance(motion, Motion):
         motion = load(motion)
+    everywhere, single = 0.0, []
+    if isinstance(spring, Mapping):
+        single = [(operator.index(edge), float(stiffness)) for edge, stiffness in spring.items()]
+    elif np.ndim(spring):
+        stiffness = shaped(spring, "spring", (motion._path.edge_count,))
+        single = [(int(edge), float(stiffness[edge])) for edge in np.flatnonzero(~np.isnan(stiffness))]
+    else:
+        everywhere = float(spring)  # type: ignore[arg-type]
     x, y, z = gravity
     weight = (float(x), float(y), float(z))
     kinds = _foldpath.read_drives(drives) if isinstance(drives, (str, os.PathLike)) else drives or []
     told = motion._path.loads(
-        float(areal_density), fixed, weight, float(spring), kinds, unit, threads(jobs), is_forked()
+        float(areal_density), fixed, weight, everywhere, single, drivers, kinds, unit, timeout, threads(jobs), is_forked()
     )
     answer: dict[str, Any] = json.loads(told)
     return answer

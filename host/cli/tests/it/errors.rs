@@ -137,6 +137,10 @@ fn usage() {
         loads path.fold --areal-density 1 --unit mm --fixed 99
         loads path.fold --areal-density 1 --unit mm --fixed=-1
         loads path.fold --areal-density 1 --unit mm --spring stiff
+        loads path.fold --areal-density 1 --unit mm --spring x=1
+        loads path.fold --areal-density 1 --unit mm --spring 0=1
+        loads path.fold --areal-density 1 --unit mm --timeout -1
+        loads path.fold --areal-density 1 --unit mm --drivers 0
         loads path.fold --areal-density 1 --unit mm --tolerance 0.1
         loads path.fold --areal-density 1 --unit mm --drives nowhere.csv
         loads path.fold --areal-density 1 --unit mm --drives drives.csv
