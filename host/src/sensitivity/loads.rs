@@ -148,7 +148,7 @@ pub enum NoLoads {
     },
     /// The number of drivers that was asked for cannot drive the sheet.
     #[error(
-        "expected {freedom} to {hinges} drivers, as the sheet has {freedom} degrees of freedom, found {size}"
+        "expected {freedom} to {hinges} drivers, from the degrees of freedom to all hinges, found {size}"
     )]
     Size {
         /// The number that was asked for.

@@ -682,7 +682,7 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
                 hinges: 9,
             }
             .to_string(),
-            "expected 2 to 9 drivers, as the sheet has 2 degrees of freedom, found 1",
+            "expected 2 to 9 drivers, from the degrees of freedom to all hinges, found 1",
         ),
         (
             NoLoads::NoHinge { edge: EdgeId(3) }.to_string(),

@@ -1,8 +1,9 @@
 //! Tests the results of the commands, and how runs end.
 
+use core::time::Duration;
 use std::fs::{self, File};
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::common::{PATTERNS, folder, folder_with_path};
 use serde_json::{Value, json};
