@@ -261,9 +261,9 @@ def test_many_products_are_those_of_one(motion: fp.Motion) -> None:
 
 
 def test_derivatives_that_do_not_exist_are_refused(motion: fp.Motion) -> None:
-    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-\d+\)"):
+    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-?\d+\)"):
         motion.jvp(0.0)
-    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-\d+\)"):
+    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-?\d+\)"):
         motion.vjp(0.0, angles=np.ones(len(motion.edges)))
     count = len(motion.vertices(0.0))
     broken = np.random.default_rng(9).uniform(-1, 1, (count, 2))
