@@ -5,6 +5,7 @@
 //!
 //! - `sheet.rs`: a crease pattern, with closure residuals and Jacobian.
 //! - `answer.rs`: plans.
+//! - `derivatives.rs`: derivatives of a folded sheet.
 //! - `path.rs`: motions, and judging them.
 //! - `waiting.rs`: long calls, during which Python goes on and Ctrl-C works.
 //! - `refusal.rs`: errors.
@@ -13,6 +14,7 @@
 mod answer;
 mod arrays;
 mod command;
+mod derivatives;
 mod path;
 mod refusal;
 mod sheet;
@@ -25,7 +27,7 @@ mod _foldpath {
     #[pymodule_export]
     use super::command::{main, plan_line};
     #[pymodule_export]
-    use super::path::{Path, write_text};
+    use super::path::{Path, read_drives, write_text};
     #[pymodule_export]
-    use super::sheet::Sheet;
+    use super::sheet::{Sheet, unfold};
 }

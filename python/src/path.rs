@@ -3,24 +3,25 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use foldpath::check::check_watched;
 use foldpath::export::fold::motion_text;
 use foldpath::folding::FoldingMap;
-use foldpath::motion::{Knot, Motion};
-use foldpath::pattern::{FaceId, Unit};
+use foldpath::motion::Motion;
+use foldpath::pattern::{EdgeId, FaceId, Unit};
 use foldpath::plot::{Curves, svg};
 use foldpath::progress::Watch;
 use foldpath::read::check_unit;
-use foldpath::request::{CheckJson, CheckRequest, LoadsJson, Request, ToleranceJson};
-use foldpath::sensitivity::{Conditions, Drive, Load, Loads, NoDerivative, Sensitivity, Tolerance};
+use foldpath::request::{CheckJson, CheckRequest, LoadsJson, Request, ToleranceJson, timeout};
+use foldpath::sensitivity::{Drive, Load, Loads, Tolerance};
 use foldpath::view::{Scene, page};
-use foldpath::{Vector2, Vector3};
 use foldpath_cli::embed::{Source, export_motion, write_file, write_path};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 
 use crate::arrays::{from_bytes, numbers};
+use crate::derivatives::{Asked, Two};
 use crate::refusal::{error, usage};
 use crate::sheet::{edges, faces, request};
 use crate::waiting::{Threads, waiting};
@@ -47,12 +48,12 @@ impl Path {
         Ok(Self::new(motion, source.name.clone()))
     }
 
-    /// Returns the fold angle of each edge in a configuration, radians; nan for edges that are no hinge.
-    fn angles<'a>(&'a self, knot: &'a Knot) -> impl Iterator<Item = f64> + 'a {
+    /// Returns the fold angle of each edge, or its rate, of those of the groups; nan for edges that are no hinge.
+    fn of_edges<'a>(&'a self, groups: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         self.motion.members.iter().map(|member| {
             // The sum turns -0 into 0.
             member.map_or(f64::NAN, |member| {
-                member.apply(knot.angles[member.group.index()]) + 0.0
+                member.apply(groups[member.group.index()]) + 0.0
             })
         })
     }
@@ -121,15 +122,32 @@ impl Path {
     /// Fold angles of the edges at the knots, radians: (K, E) numbers.
     fn fold_angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
         let knots = self.motion.knots.iter();
-        numbers(py, knots.flat_map(|knot| self.angles(knot)))
+        numbers(py, knots.flat_map(|knot| self.of_edges(&knot.angles)))
     }
 
     /// Fold angles of the edges at times (seconds), radians: (T, E) numbers.
     fn at<'py>(&self, py: Python<'py>, times: &[u8]) -> Bound<'py, PyByteArray> {
         let configurations = from_bytes(times).map(|time| self.motion.at(time));
-        let angles = configurations.flat_map(|knot| self.angles(&knot).collect::<Vec<f64>>());
+        let angles =
+            configurations.flat_map(|knot| self.of_edges(&knot.angles).collect::<Vec<f64>>());
         let angles: Vec<f64> = py.detach(|| angles.collect());
         numbers(py, angles)
+    }
+
+    /// Rates of the edges at times (seconds), radians per second: (T, E) numbers.
+    fn rates<'py>(&self, py: Python<'py>, times: &[u8]) -> Bound<'py, PyByteArray> {
+        let rates = from_bytes(times).map(|time| self.motion.rates(time));
+        let rates = rates.flat_map(|rates| self.of_edges(&rates).collect::<Vec<f64>>());
+        let rates: Vec<f64> = py.detach(|| rates.collect());
+        numbers(py, rates)
+    }
+
+    /// Crease group of each edge, and its sign, 1 or -1: (2, E) numbers, nan for edges that are no hinge.
+    fn groups<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        let members = || self.motion.members.iter();
+        let groups = members().map(|member| member.map_or(f64::NAN, |it| f64::from(it.group.0)));
+        let signs = members().map(|member| member.map_or(f64::NAN, |it| it.apply(1.0)));
+        numbers(py, groups.chain(signs))
     }
 
     /// Positions of the vertices at times (seconds): (T, V, 3) numbers.
@@ -199,67 +217,29 @@ impl Path {
 
     /// Edges of the hinges that drive the sheet at a time.
     fn drivers(&self, py: Python<'_>, time: f64) -> PyResult<Vec<usize>> {
-        let drivers = self.at_time(py, time, |at| Ok(at.drivers().to_vec()))?;
-        let creases = self.motion.pattern.creases();
-        Ok(drivers
-            .iter()
-            .map(|driver| creases[driver.index()].index())
-            .collect())
+        self.asked(py, time)?.driver_edges(py)
     }
 
-    /// Rates of fold angles, (E,), and of the folded vertices, (V, 3), for changes of the flat vertices, (V, 2), and drivers.
+    /// Rates at a time; see [`Asked::jvp`].
     fn jvp<'py>(
         &self,
         py: Python<'py>,
         time: f64,
         vertices: &[u8],
         drivers: &[u8],
-    ) -> PyResult<(Bound<'py, PyByteArray>, Bound<'py, PyByteArray>)> {
-        let vertices = pairs(vertices);
-        let drivers: Vec<f64> = from_bytes(drivers).collect();
-        let pattern = &self.motion.pattern;
-        let rates = self.at_time(py, time, |at| {
-            let drivers = if drivers.is_empty() {
-                vec![0.0; at.drivers().len()]
-            } else {
-                drivers
-            };
-            at.jvp(&vertices, &drivers)
-        })?;
-        let mut angles = vec![f64::NAN; pattern.edges().len()];
-        for (edge, rate) in pattern.creases().iter().zip(rates.angles) {
-            angles[edge.index()] = rate;
-        }
-        let places = rates
-            .places
-            .into_iter()
-            .flat_map(|rate| [rate.x, rate.y, rate.z]);
-        Ok((numbers(py, angles), numbers(py, places)))
+    ) -> PyResult<Two<'py>> {
+        self.asked(py, time)?.jvp(py, vertices, drivers)
     }
 
-    /// Gradient by the flat vertices, (V, 2), and by the drivers of what has these gradients by fold angles, (E,), and by folded
-    /// vertices, (V, 3).
+    /// Gradient at a time; see [`Asked::vjp`].
     fn vjp<'py>(
         &self,
         py: Python<'py>,
         time: f64,
         by_angles: &[u8],
         by_vertices: &[u8],
-    ) -> PyResult<(Bound<'py, PyByteArray>, Bound<'py, PyByteArray>)> {
-        let by_edges: Vec<f64> = from_bytes(by_angles).collect();
-        let by_places: Vec<f64> = from_bytes(by_vertices).collect();
-        let creases = self.motion.pattern.creases().iter();
-        let by_creases: Vec<f64> = match by_edges.is_empty() {
-            true => Vec::new(),
-            false => creases.map(|edge| by_edges[edge.index()]).collect(),
-        };
-        let by_places: Vec<_> = by_places
-            .chunks_exact(3)
-            .map(|by| Vector3::new(by[0], by[1], by[2]))
-            .collect();
-        let gradient = self.at_time(py, time, |at| Ok(at.vjp(&by_creases, &by_places)))?;
-        let vertices = gradient.vertices.iter().flat_map(|by| [by.x, by.y]);
-        Ok((numbers(py, vertices), numbers(py, gradient.drivers)))
+    ) -> PyResult<Two<'py>> {
+        self.asked(py, time)?.vjp(py, by_angles, by_vertices)
     }
 
     /// The JSON of `foldpath tolerance`.
@@ -268,6 +248,7 @@ impl Path {
         py: Python<'_>,
         error: Option<f64>,
         play: Option<f64>,
+        seconds: Option<f64>,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
@@ -284,10 +265,11 @@ impl Path {
                 format!("{name}: expected a number above 0, found {value}"),
             ));
         }
+        let deadline = deadline(py, seconds)?;
         let motion = Arc::clone(&self.motion);
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
-            let tolerance =
-                Tolerance::of(&motion, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let watch = Watch::new(progress).until(deadline);
+            let tolerance = Tolerance::of(&motion, watch).map_err(|no| no.to_string())?;
             let error = match name {
                 "error" => Some(value),
                 _ => Some(tolerance.error_for(value)).filter(|error| error.is_finite()),
@@ -310,13 +292,17 @@ impl Path {
         fixed: Option<u32>,
         gravity: [f64; 3],
         spring: f64,
+        springs: Vec<(u32, f64)>,
+        drivers: Option<usize>,
         drives: Vec<(String, f64, f64)>,
         unit: Option<String>,
+        seconds: Option<f64>,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
-        let not_negative = [("areal_density", areal_density), ("spring", spring)];
-        for (name, value) in not_negative {
+        let not_negative = [("areal_density", areal_density), ("spring", spring)].into_iter();
+        let single = springs.iter().map(|(_, stiffness)| ("spring", *stiffness));
+        for (name, value) in not_negative.chain(single) {
             if !(value >= 0.0 && value.is_finite()) {
                 let text = format!("{name}: expected a number from 0, found {value}");
                 return Err(usage(py, text));
@@ -355,10 +341,16 @@ impl Path {
             fixed: fixed.map(FaceId),
             gravity: gravity.into(),
             spring,
+            springs: springs
+                .into_iter()
+                .map(|(edge, stiffness)| (EdgeId(edge), stiffness))
+                .collect(),
         };
+        let deadline = deadline(py, seconds)?;
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
-            let loads =
-                Loads::least(&motion, &load, Watch::new(progress)).map_err(|no| no.to_string())?;
+            let watch = Watch::new(progress).until(deadline);
+            let loads = Loads::least_of(&motion, &load, drivers, watch);
+            let loads = loads.map_err(|no| no.to_string())?;
             let json = LoadsJson::of(&motion, &loads, &drives);
             Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
         })?;
@@ -367,37 +359,35 @@ impl Path {
 }
 
 impl Path {
-    /// Does something with the derivatives at a time.
-    fn at_time<T: Send>(
-        &self,
-        py: Python<'_>,
-        time: f64,
-        work: impl FnOnce(&mut Sensitivity<'_>) -> Result<T, NoDerivative> + Send,
-    ) -> PyResult<T> {
+    /// The configuration at a time whose derivatives are asked for.
+    fn asked(&self, py: Python<'_>, time: f64) -> PyResult<Asked<'_>> {
         if !time.is_finite() {
-            return Err(usage(
-                py,
-                format!("t: expected a finite time, found {time}"),
-            ));
+            let text = format!("t: expected a finite time, found {time}");
+            return Err(usage(py, text));
         }
-        let done = py.detach(|| {
-            let conditions = Conditions::new(&self.motion.pattern);
-            let conditions = conditions.ok_or("the sheet has too many creases".to_string())?;
-            let at = Sensitivity::of_motion(&conditions, &self.motion, time);
-            at.and_then(|mut at| work(&mut at))
-                .map_err(|no| no.to_string())
-        });
-        done.map_err(|text| usage(py, format!("at {time} s, {text}")))
+        Ok(Asked {
+            pattern: &self.motion.pattern,
+            angles: self.motion.at_times([time]).crease_angles(0),
+            drivers: None,
+            place: format!("at {time} s, "),
+        })
     }
 }
 
-/// Returns the pairs of a list of numbers.
-fn pairs(bytes: &[u8]) -> Vec<Vector2<f64>> {
-    let numbers: Vec<f64> = from_bytes(bytes).collect();
-    numbers
-        .chunks_exact(2)
-        .map(|pair| Vector2::new(pair[0], pair[1]))
-        .collect()
+/// Returns the end of a time in seconds that begins now.
+fn deadline(py: Python<'_>, seconds: Option<f64>) -> PyResult<Option<Instant>> {
+    let timeout = timeout(seconds).map_err(|refused| error(py, refused))?;
+    Ok(timeout.and_then(|time| Instant::now().checked_add(time)))
+}
+
+/// Reads a table of drives: name, stall torque (newton metres) and speed (degrees per second) of each.
+#[pyfunction]
+pub(crate) fn read_drives(py: Python<'_>, path: PathBuf) -> PyResult<Vec<(String, f64, f64)>> {
+    let drives = Source::of_file(&path).drives();
+    let drives = drives.map_err(|refused| error(py, refused))?.into_iter();
+    Ok(drives
+        .map(|drive| (drive.name, drive.stall_torque, drive.speed.to_degrees()))
+        .collect())
 }
 
 /// Writes a text, whole or not at all.

@@ -6,18 +6,20 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use foldpath::folding::FoldingMap;
 use foldpath::pattern::{CreasePattern, Unit};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{InputJson, PatternInfo, ReadingRequest, Request, timeout};
+use foldpath::request::{InputJson, PatternInfo, ReadingRequest, Request, UnfoldRequest, timeout};
 use foldpath::sensitivity::Conditions;
 use foldpath::symmetry::ReducedStars;
-use foldpath_cli::embed::{CliError, Source};
+use foldpath_cli::embed::{CliError, Source, unfolded};
 use foldpath_core::{HalfAngle, closure, hole};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes};
 
 use crate::arrays::{from_bytes, indices, numbers};
+use crate::derivatives::{Asked, Two};
 use crate::refusal::{error, usage};
 use crate::waiting::{Threads, waiting};
 
@@ -178,24 +180,7 @@ impl Sheet {
         by_vertices: bool,
     ) -> PyResult<ClosureBytes<'py>> {
         let pattern = self.read.pattern();
-        let angles: Vec<f64> = from_bytes(angles).collect();
-        if angles.len() != pattern.edges().len() {
-            let text = format!(
-                "angles: expected one for each of {} edges, found {}",
-                pattern.edges().len(),
-                angles.len()
-            );
-            return Err(usage(py, text));
-        }
-        let mut x = Vec::with_capacity(pattern.creases().len());
-        for edge in pattern.creases() {
-            let angle = angles[edge.index()];
-            if !angle.is_finite() {
-                let text = format!("angles: expected a number for hinge {edge}, found {angle}");
-                return Err(usage(py, text));
-            }
-            x.push(angle);
-        }
+        let x = self.of_creases(py, angles)?;
         let rows = py
             .detach(|| {
                 let rows = jacobian(pattern, self.read.stars(), &x)?;
@@ -214,6 +199,51 @@ impl Sheet {
         ])
     }
 
+    /// Fold angles near these (radians, one for each edge), at which the sheet closes and each driver, an edge, has its angle.
+    fn driven<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &[u8],
+        drivers: Vec<usize>,
+        driven: &[u8],
+    ) -> PyResult<Bound<'py, PyByteArray>> {
+        self.asked(py, angles, drivers)?.driven(py, driven)
+    }
+
+    /// Positions of the folded vertices at fold angles: (V, 3) numbers.
+    fn folded<'py>(&self, py: Python<'py>, angles: &[u8]) -> PyResult<Bound<'py, PyByteArray>> {
+        let pattern = self.read.pattern();
+        let x = self.of_creases(py, angles)?;
+        let map = py.detach(|| FoldingMap::new(pattern, pattern.tree(), &x));
+        let places = map.vertices().iter();
+        Ok(numbers(py, places.flat_map(|at| [at.x, at.y, at.z])))
+    }
+
+    /// Rates at fold angles; see [`Asked::jvp`].
+    fn jvp<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &[u8],
+        drivers: Vec<usize>,
+        vertices: &[u8],
+        driven: &[u8],
+    ) -> PyResult<Two<'py>> {
+        self.asked(py, angles, drivers)?.jvp(py, vertices, driven)
+    }
+
+    /// Gradient at fold angles; see [`Asked::vjp`].
+    fn vjp<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &[u8],
+        drivers: Vec<usize>,
+        by_angles: &[u8],
+        by_vertices: &[u8],
+    ) -> PyResult<Two<'py>> {
+        self.asked(py, angles, drivers)?
+            .vjp(py, by_angles, by_vertices)
+    }
+
     /// The JSON of `foldpath info`.
     #[pyo3(signature = (seconds=None))]
     fn info(&self, py: Python<'_>, seconds: Option<f64>) -> PyResult<String> {
@@ -222,7 +252,10 @@ impl Sheet {
         let text = waiting(py, Threads::Some(1), move |progress| {
             let deadline = timeout.and_then(|time| Instant::now().checked_add(time));
             let watch = Watch::new(progress).until(deadline);
-            let info = PatternInfo::of(read.pattern(), watch);
+            let mut info = PatternInfo::of(read.pattern(), watch);
+            let source = Source::of_stream(&read.name.to_string_lossy(), &read.bytes);
+            let motion = source.ok().and_then(|source| source.motion_of_sheet());
+            motion.iter().for_each(|motion| info.moved_by(motion));
             serde_json::to_string(&info).unwrap_or_default()
         })?;
         Ok(text)
@@ -242,6 +275,38 @@ impl Sheet {
 }
 
 impl Sheet {
+    /// Returns the fold angle of each crease of those of the edges.
+    fn of_creases(&self, py: Python<'_>, angles: &[u8]) -> PyResult<Vec<f64>> {
+        let pattern = self.read.pattern();
+        let angles: Vec<f64> = from_bytes(angles).collect();
+        if angles.len() != pattern.edges().len() {
+            let text = format!(
+                "angles: expected one for each of {} edges, found {}",
+                pattern.edges().len(),
+                angles.len()
+            );
+            return Err(usage(py, text));
+        }
+        let creases = pattern.creases().iter();
+        let found = creases.map(|edge| {
+            let angle = angles[edge.index()];
+            let text = || format!("angles: expected a number for hinge {edge}, found {angle}");
+            angle.is_finite().then_some(angle).ok_or_else(text)
+        });
+        let found: Result<_, String> = found.collect();
+        found.map_err(|text| usage(py, text))
+    }
+
+    /// The configuration whose derivatives are asked for.
+    fn asked(&self, py: Python<'_>, angles: &[u8], drivers: Vec<usize>) -> PyResult<Asked<'_>> {
+        Ok(Asked {
+            pattern: self.read.pattern(),
+            angles: self.of_creases(py, angles)?,
+            drivers: Some(drivers),
+            place: String::new(),
+        })
+    }
+
     fn of(
         py: Python<'_>,
         reading: ReadingRequest,
@@ -253,6 +318,33 @@ impl Sheet {
             read: Arc::new(read),
         })
     }
+}
+
+/// Unfolds a shape, a file or with `bytes` its content. Returns the JSON of `foldpath unfold`, notes, and the pattern if there
+/// is one. `options` is a JSON object.
+#[pyfunction]
+pub(crate) fn unfold(
+    py: Python<'_>,
+    name: PathBuf,
+    bytes: Option<Vec<u8>>,
+    options: &str,
+) -> PyResult<(String, Vec<String>, Option<Sheet>)> {
+    let options: UnfoldRequest = request(py, options)?;
+    let shape = name.clone();
+    let found = waiting(py, Threads::Some(1), move |_| {
+        let source = match bytes {
+            Some(bytes) => Source::of_stream(&shape.to_string_lossy(), &bytes)?,
+            None => Source::of_file(&shape),
+        };
+        unfolded(&source, &options)
+    })?;
+    let found = found.map_err(|refused| error(py, refused))?;
+    let json = serde_json::to_string(&found.json).unwrap_or_default();
+    let sheet = match found.pattern {
+        None => None,
+        Some(text) => Some(Sheet::parse(py, name.display().to_string(), text, "{}")?),
+    };
+    Ok((json, found.notes, sheet))
 }
 
 /// Returns the options of a JSON object.

@@ -31,6 +31,20 @@ def test_results_are_those_of_the_command(tmp_path: Path) -> None:
     assert sorted(parts, key=lambda result: result["id"]) == told
 
 
+def test_patterns_are_designs_and_errors_are_retried(tmp_path: Path) -> None:
+    pattern = fp.miura(3, 3)
+    given = [{"id": "array", "pattern": pattern}, {"id": "missing", "pattern": str(tmp_path / "late.fold")}]
+    found, missing = fp.batch(given, stable=True)
+    assert found["outcome"] == "planned" and found["design"] == {"pattern": pattern.to_dict()}
+    assert found["figures"]["largest_angle"] == pytest.approx(162) and missing["design"] == {"pattern": given[1]["pattern"]}
+    results = tmp_path / "results.jsonl"
+    list(fp.batch(given, results, stable=True))
+    pattern.save(tmp_path / "late.fold")
+    list(fp.batch(given, results, stable=True, retry_errors=True))
+    again = [json.loads(line) for line in results.read_text().splitlines()]
+    assert again[0] == found and again[1]["id"] == "missing" and again[1]["outcome"] == "planned"
+
+
 def test_a_pool_of_processes_gives_the_same_bytes(tmp_path: Path) -> None:
     given = designs(40)
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
@@ -63,4 +77,5 @@ def test_an_iterator_that_is_left_ends_the_run() -> None:
 def test_designs_that_are_no_designs_have_results() -> None:
     assert json.loads(fp.plan_line("{}"))["error"]["message"]
     result = json.loads(fp.plan_line({"id": "a", "generate": {"family": "miura", "rows": 2, "cols": 2}, "plan": {"boud": 1}}))
-    assert result == {"id": "a", "error": {"file": "", "line": None, "column": None, "message": "unexpected argument '--boud' found", "hint": None}}
+    design = {"generate": {"family": "miura", "rows": 2, "cols": 2}, "plan": {"boud": 1}}
+    assert result == {"id": "a", "design": design, "error": {"file": "", "line": None, "column": None, "message": "unexpected argument '--boud' found", "hint": None}}

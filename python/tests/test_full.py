@@ -27,6 +27,16 @@ def test_the_guide_runs_from_start_to_end() -> None:
     assert len(pages) == 1 and len(pictures) == 3
 
 
+def test_the_fit_runs_from_start_to_end() -> None:
+    nbformat = pytest.importorskip("nbformat")
+    nbclient = pytest.importorskip("nbclient")
+    notebook = nbformat.read(HERE / "fit.ipynb", as_version=4)
+    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 1
+    assert sum("<iframe" in str(output.get("data", {}).get("text/html")) for output in outputs) == 1
+
+
 def test_a_wheel_installs_where_there_is_no_rust(tmp_path: Path) -> None:
     wheels = tmp_path / "wheels"
     build = [sys.executable, "-m", "maturin", "build", "--release", "--locked", "--out", str(wheels)]

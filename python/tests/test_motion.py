@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from pathlib import Path
+from typing import Any
 
 import foldpath as fp
 import numpy as np
@@ -68,6 +69,41 @@ def test_a_motion_is_evaluated_at_one_time_and_at_many(motion: fp.Motion) -> Non
             motion.at(wrong)
     assert motion.at([]).shape == (0, edges)
     assert motion.at(np.float32(0.5)).shape == (edges,)
+
+
+@pytest.mark.parametrize("interpolation", ["half-angle", "hermite", "homogeneous", "linear"])
+def test_rates_are_derivatives_of_the_angles(interpolation: Any) -> None:
+    motion = fp.plan(fp.miura(3, 3), interpolation=interpolation).motion
+    assert motion is not None
+    between = (motion.times[1:] + motion.times[:-1]) / 2
+    step = 1e-6
+    differences = (motion.at(between + step) - motion.at(between - step)) / (2 * step)
+    rates = motion.rates_at(between)
+    assert np.nanmax(np.abs(rates - differences)) < 1e-7 and np.nanmax(np.abs(rates)) > 0.5
+    assert np.array_equal(motion.rates_at(between[0]), rates[0], equal_nan=True)
+    # At the knots: of the segment after each, and at the last one of the segment before.
+    after = (motion.at(motion.times[:-1] + step) - motion.fold_angles[:-1]) / step
+    before = (motion.fold_angles[-1] - motion.at(motion.duration - step)) / step
+    assert np.nanmax(np.abs(motion.rates - np.vstack([after, before]))) < 1e-4
+    assert np.array_equal(np.isnan(motion.rates), np.isnan(motion.fold_angles))
+    # At rest before the start and after the end.
+    assert np.nanmax(np.abs(motion.rates_at([-1.0, motion.duration + 1]))) == 0
+    with pytest.raises(fp.FoldpathError, match="expected finite times"):
+        motion.rates_at(np.inf)
+
+
+def test_creases_of_a_group_have_one_angle(motion: fp.Motion) -> None:
+    groups, signs = motion.groups, motion.signs
+    rest = np.isnan(motion.fold_angles[0])
+    assert groups.shape == (len(motion.edges),) and groups.dtype == np.int64
+    assert (groups[rest] == -1).all() and (signs[rest] == 0).all()
+    assert set(groups[~rest]) == set(range(groups.max() + 1)) and set(signs[~rest]) == {-1, 1}
+    # A Miura has two groups.
+    assert groups.max() == 1
+    for group in range(2):
+        (members,) = np.nonzero(groups == group)
+        angles = motion.fold_angles[:, members] * signs[members]
+        assert np.abs(angles - angles[:, :1]).max() == 0
 
 
 def test_arrays_own_their_memory(motion: fp.Motion) -> None:
@@ -156,6 +192,20 @@ def test_options_of_exports(motion: fp.Motion, tmp_path: Path) -> None:
         motion.export(file, "step")  # type: ignore[arg-type]
 
 
+def test_a_path_without_a_unit_is_exported_in_one(
+    loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
+) -> None:
+    motion, path = loaded
+    texts = []
+    for unit in ("mm", "in"):
+        ours, theirs = tmp_path / f"{unit}.dxf", tmp_path / f"{unit}-command.dxf"
+        motion.export(ours, "dxf", unit=unit)  # type: ignore[arg-type]
+        assert command("export", path, "--to=dxf", f"--unit={unit}", "-o", theirs).status == 0
+        assert ours.read_bytes() == theirs.read_bytes()
+        texts.append(ours.read_text())
+    assert texts[0] != texts[1]
+
+
 def test_curves_are_those_of_the_command(
     loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
 ) -> None:
@@ -189,12 +239,36 @@ def test_products_from_both_sides_are_equal(motion: fp.Motion) -> None:
     assert abs((by_vertices * change).sum() + 0.5 * by_drivers[0] - forwards) < 1e-8
 
 
+def test_many_products_are_those_of_one(motion: fp.Motion) -> None:
+    time, random = 0.6 * motion.duration, np.random.default_rng(10)
+    flat, edges = motion.pattern.vertices, len(motion.edges)
+    # To scale, to turn, to stretch and to shear along the straight creases: the sheet keeps its angles or stays a Miura.
+    changes = np.stack([flat, flat[:, ::-1] * [-1, 1], flat * [0, 1], flat * [1, 0]])
+    driven = random.uniform(-1, 1, (4, 1))
+    rates = motion.jvp(time, changes, driven)
+    assert rates[0].shape == (4, edges) and rates[1].shape == (4, *flat.shape[:1], 3)
+    by = random.uniform(-1, 1, (3, edges)), random.uniform(-1, 1, (3, len(flat), 3))
+    gradients = motion.vjp(time, *by)
+    assert gradients[0].shape == (3, *flat.shape) and gradients[1].shape == (3, 1)
+    for k in range(3):
+        for many, one in ((rates, motion.jvp(time, changes[k], driven[k])), (gradients, motion.vjp(time, by[0][k], by[1][k]))):
+            for all_of_them, single in zip(many, one):
+                assert np.allclose(all_of_them[k], single, rtol=0, atol=1e-13, equal_nan=True)
+    alone = motion.vjp(time, vertices=by[1])[0] + motion.vjp(time, angles=by[0])[0]
+    assert np.allclose(alone, gradients[0], rtol=0, atol=1e-12)
+    with pytest.raises(fp.FoldpathError, match="drivers: expected the shape"):
+        motion.jvp(time, changes, driven[:3])
+
+
 def test_derivatives_that_do_not_exist_are_refused(motion: fp.Motion) -> None:
-    with pytest.raises(fp.FoldpathError, match="singular"):
+    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-?\d+\)"):
         motion.jvp(0.0)
+    with pytest.raises(fp.FoldpathError, match=r"singular \(smallest singular value \d\.\de-?\d+\)"):
+        motion.vjp(0.0, angles=np.ones(len(motion.edges)))
     count = len(motion.vertices(0.0))
     broken = np.random.default_rng(9).uniform(-1, 1, (count, 2))
-    with pytest.raises(fp.FoldpathError, match="does not fold"):
+    figures = r"does not fold: of its effect on closure, \d\.\de-?\d+ radians, \d\.\de-?\d+ are left"
+    with pytest.raises(fp.FoldpathError, match=figures):
         motion.jvp(0.6 * motion.duration, vertices=broken)
     with pytest.raises(fp.FoldpathError, match="vertices: expected the shape"):
         motion.jvp(0.6 * motion.duration, vertices=[0.0])
@@ -213,8 +287,32 @@ def test_play_and_torques_are_those_of_the_command(loaded: tuple[fp.Motion, Path
     told = command(
         "loads", path, "--areal-density=0.8", "--unit=mm", "--gravity=0,-9.81,0", "--drives", drives, "--json"
     )
-    loads = fp.loads(motion, 0.8, unit="mm", gravity=(0.0, -9.81, 0.0), drives=[("servo", 1e-9, 60.0)])
-    assert loads == json.loads(told.out)
+    for table in (drives, [("servo", 1e-9, 60.0)]):
+        loads = fp.loads(motion, 0.8, unit="mm", gravity=(0.0, -9.81, 0.0), drives=table)
+        assert loads == json.loads(told.out)
+    with pytest.raises(fp.FoldpathError, match="NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S"):
+        fp.loads(motion, 0.8, unit="mm", drives=path)
+    # Springs of single hinges, whichever way they are named.
+    springs = np.full(len(motion.edges), np.nan)
+    hinge = int(motion.hinges[0])
+    springs[hinge] = 0.02
+    told = json.loads(
+        command("loads", path, "--areal-density=0.8", "--unit=mm", f"--spring={hinge}=0.02", "--json").out
+    )
+    everywhere = fp.loads(motion, 0.8, unit="mm", spring=0.02)
+    assert everywhere["torques"] != told["torques"]
+    for spring in ({hinge: 0.02}, springs):
+        assert fp.loads(motion, 0.8, unit="mm", spring=spring, timeout=60) == told
+    shared = fp.loads(motion, 0.8, unit="mm", spring=0.02, drivers=2)
+    told = json.loads(command("loads", path, "--areal-density=0.8", "--unit=mm", "--spring=0.02", "--drivers=2", "--json").out)
+    assert shared == told and abs(shared["peak"]["torque"]) < abs(everywhere["peak"]["torque"])
+    with pytest.raises(fp.FoldpathError, match="expected 1 to 31 drivers"):
+        fp.loads(motion, 0.8, unit="mm", drivers=0)
+    with pytest.raises(fp.FoldpathError, match="is no hinge, and has no spring"):
+        fp.loads(motion, 0.8, unit="mm", spring={0: 1.0})
+    for call in (lambda: fp.loads(motion, 0.8, unit="mm", timeout=0), lambda: fp.tolerance(motion, 0.001, timeout=0)):
+        with pytest.raises(fp.FoldpathError, match="time ran out before"):
+            call()
     with pytest.raises(fp.FoldpathError, match="unit of length"):
         fp.loads(motion, 0.8)
     with pytest.raises(fp.FoldpathError, match="expected one of error and play"):

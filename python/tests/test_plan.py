@@ -43,8 +43,8 @@ def test_answers_and_files_are_those_of_the_command(path: Path, command: Command
 def test_every_option_of_the_command_is_an_argument() -> None:
     listed = fp.plan(fp.miura(2, 2)).to_dict()["options"]
     arguments = dict(inspect.signature(fp.plan).parameters)
-    # An earlier name of an option is not listed.
-    del arguments["pattern"], arguments["jobs"], arguments["reuse"]
+    # Other names of options are not listed.
+    del arguments["pattern"], arguments["jobs"], arguments["reuse"], arguments["limits"]
     assert set(arguments) == set(listed)
     for name, argument in arguments.items():
         if argument.default is not None:
@@ -179,6 +179,9 @@ def test_goals_and_limits_are_arrays_as_well_as_files() -> None:
     limits[hinges[0]] = np.radians([-30, 30])
     limited = fp.plan(pattern, limit=limits)
     assert limited.outcome != "planned"
+    assert fp.plan(pattern, limits=limits).to_dict()["options"]["limit"] == limited.to_dict()["options"]["limit"]
+    with pytest.raises(fp.FoldpathError, match="limit, limits: expected one of them"):
+        fp.plan(pattern, limit=limits, limits=limits)
     with pytest.raises(fp.FoldpathError, match="goal: expected the shape"):
         fp.plan(pattern, goal=half[1:])
     with pytest.raises(fp.FoldpathError, match="goal: expected finite angles or nan"):

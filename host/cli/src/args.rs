@@ -10,9 +10,9 @@ use foldpath_firmware_sim::hinges;
 
 use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
-use crate::values::{Gravity, Seeded, Shard, Target, above_zero, zero_or_above};
+use crate::values::{Gravity, Seeded, Shard, Spring, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
-use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest};
+use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -55,13 +55,15 @@ pub(crate) enum Command {
     /// beside the fold. The worst case is over all errors of up to --error in each coordinate of each vertex, the expected
     /// value is the root mean square for independent uniform errors, both to first order and over the whole motion from the
     /// moment that a hinge is folded by 10 degrees. A turn by a radian counts as much as a shift by the median edge.
+    ///
+    /// Exit status: 0 for an answer; 1 if time runs out; 2 for bad input or usage.
     Tolerance(Tolerance),
     /// Tell how strong the drives of a sheet have to be, against gravity and springs
     ///
     /// The sheet is at rest at each moment; friction and acceleration are left out. A set of drivers has as many hinges as the
     /// sheet has degrees of freedom; the one whose largest torque is least is told.
     ///
-    /// Exit status: 0 if each drive of --drives fits; 1 if one stalls; 2 for bad input or usage.
+    /// Exit status: 0 if each drive of --drives fits; 1 if one stalls, or time runs out; 2 for bad input or usage.
     Loads(Loads),
     /// Make a crease pattern of a folded shape, with its measured fold angles as the goal
     ///
@@ -81,17 +83,16 @@ pub(crate) enum Command {
     #[command(mut_arg("path", |path| path.help("Path, a FOLD animation; or any crease pattern")))]
     #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
     View(Shown),
-    /// Draw curves of fold angles, errors and clearance along a path
-    #[command(after_help = examples(["plot path.fold -o plots.svg", "plot path.fold -o plots.png"]))]
-    #[command(mut_arg("output", |output| output.help("Picture to write, an SVG or PNG file by its ending .svg or .png")))]
-    Plot(Shown),
+    /// Draw curves of fold angles, errors, clearance and torques along a path
+    Plot(Plot),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
     Export(Export),
     /// Plan many designs: JSON lines in, JSON lines out
     ///
-    /// A line that is read is {"id":TEXT, "pattern":FILE, "plan":{OPTION:VALUE}, "path":FILE}; in place of "pattern", a
-    /// line may have "generate" with a "family" and its parameters. "plan" and "path" may be left out. A line that is
-    /// written is the answer of `foldpath plan --json` with the id before it, or the id with an "error".
+    /// A line that is read is {"id":TEXT, "pattern":FILE, "plan":{OPTION:VALUE}, "path":FILE}; "pattern" may be a FOLD object
+    /// as well. In its place, a line may have "generate" with a "family" and its parameters. "plan" and "path" may be left
+    /// out. A line that is written is the answer of `foldpath plan --json` with id and "design" before it and "figures" behind
+    /// it, or these with an "error".
     ///
     /// Each design is planned by itself. One that cannot be read, ends its process or hangs is told in its line.
     /// Results come in the order of the designs.
@@ -179,20 +180,10 @@ pub(crate) struct Info {
     pub(crate) report: Report,
 }
 
-/// Shapes that `unfold` cuts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Cut {
-    /// Those that no plane holds whole
-    #[default]
-    Auto,
-    /// None
-    None,
-}
-
 #[derive(Debug, Args)]
 #[command(after_help = examples([
     "unfold path.fold -o unfolded.fold",
-    "unfold path.fold --frame 3 -o third.fold --json",
+    "unfold path.fold --frame 3 --unit mm -o third.fold --json",
 ]))]
 pub(crate) struct Unfold {
     /// Folded shape: a FOLD file with faces in space, or a file that ends in .obj or .stl
@@ -202,18 +193,8 @@ pub(crate) struct Unfold {
     /// Crease pattern to write, a FOLD file; written only if the shape unfolds
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// Frame of a FOLD file; the key frame is 0 [default: the last folded form, or else the key frame]
-    #[arg(long, value_name = "N")]
-    pub(crate) frame: Option<usize>,
-    /// Largest error of the shape that is taken for noise, degrees
-    ///
-    /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane. Defects that the rounding
-    /// of the file's coordinates explains, by their digits, are taken for noise as well.
-    #[arg(long, default_value_t = 0.01, value_name = "DEG")]
-    pub(crate) max_defect: f64,
-    /// Which shapes are cut so that they lie flat
-    #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
-    pub(crate) cut: Cut,
+    #[command(flatten)]
+    pub(crate) request: Options<UnfoldRequest>,
     #[command(flatten)]
     pub(crate) report: Report,
 }
@@ -244,6 +225,11 @@ pub(crate) struct Batch {
     /// Designs whose ids are among the results are skipped. The rest of a line that an interrupted run has left is cut off.
     #[arg(long)]
     pub(crate) resume: bool,
+    /// As --resume, but plan designs again whose result is an error
+    ///
+    /// Their results are removed from the file first.
+    #[arg(long)]
+    pub(crate) retry_errors: bool,
     /// Timeout of designs that name none, seconds
     #[arg(long, default_value_t = 60.0, value_name = "SECONDS")]
     pub(crate) timeout: f64,
@@ -315,6 +301,9 @@ pub(crate) struct Tolerance {
     /// Largest play of a hinge, in the file's unit: tells the error that it allows
     #[arg(long, value_name = "P", value_parser = above_zero)]
     pub(crate) play: Option<f64>,
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
@@ -326,6 +315,7 @@ pub(crate) struct Tolerance {
 #[command(after_help = examples([
     "loads path.fold --areal-density 0.8 --unit mm",
     "loads path.fold --areal-density 0.8 --unit mm --gravity 0,-9.81,0 --spring 0.001 --json",
+    "loads path.fold --areal-density 0.8 --unit mm --spring 4=0.02 --drivers 2",
 ]))]
 pub(crate) struct Loads {
     /// Path, a FOLD animation
@@ -333,25 +323,68 @@ pub(crate) struct Loads {
     /// Mass of the panels, kilograms per square metre
     #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
     pub(crate) areal_density: f64,
-    /// Face that is held [default: the first face of the spanning tree, in the middle of the sheet]
-    #[arg(long, value_name = "FACE")]
-    pub(crate) fixed: Option<u32>,
-    /// Acceleration of gravity, metres per second squared, in the frame of the drawing with the held face in its place
-    /// [default: 0,0,-9.80665]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) gravity: Option<Gravity>,
-    /// Stiffness of a spring in each hinge that rests flat, newton metres per radian
-    #[arg(long, value_name = "NM_PER_RAD", default_value_t = 0.0, value_parser = zero_or_above)]
-    pub(crate) spring: f64,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Number of drivers [default: as many as the sheet has degrees of freedom]
+    ///
+    /// More drivers share the load so that the sum of the squares of their torques is least.
+    #[arg(long, value_name = "N")]
+    pub(crate) drivers: Option<usize>,
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    ///
+    /// The best set of drivers that was found by then is told.
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     /// Table of drives, a line NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S for each: tells which fit
     #[arg(long, value_name = "FILE")]
     pub(crate) drives: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) reading: Options<ReadingRequest>,
-    #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
+}
+
+/// Load of a sheet, beside the mass of its panels.
+#[derive(Debug, Args)]
+pub(crate) struct LoadArgs {
+    /// Face that is held [default: the first face of the spanning tree, in the middle of the sheet]
+    #[arg(long, value_name = "FACE", requires = "areal_density")]
+    pub(crate) fixed: Option<u32>,
+    /// Acceleration of gravity, metres per second squared, in the frame of the drawing with the held face in its place
+    /// [default: 0,0,-9.80665]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        requires = "areal_density"
+    )]
+    pub(crate) gravity: Option<Gravity>,
+    /// Stiffness of a spring in each hinge that rests flat, newton metres per radian; I=NM_PER_RAD for the hinge at edge I alone;
+    /// repeatable
+    #[arg(long, value_name = "NM_PER_RAD", requires = "areal_density")]
+    pub(crate) spring: Vec<Spring>,
+    #[command(flatten)]
+    pub(crate) reading: Options<ReadingRequest>,
+}
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = examples([
+    "plot path.fold -o plots.svg",
+    "plot path.fold -o plots.png",
+    "plot path.fold --areal-density 0.8 --unit mm -o torques.svg",
+]))]
+pub(crate) struct Plot {
+    /// Path, a FOLD animation
+    pub(crate) path: PathBuf,
+    /// Picture to write, an SVG or PNG file by its ending .svg or .png
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Draw the torques of the drivers as well, as loads tells them: mass of the panels, kilograms per square metre
+    #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
+    pub(crate) areal_density: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 }
 
 #[derive(Debug, Args)]

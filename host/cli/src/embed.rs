@@ -14,6 +14,7 @@ pub use crate::output::write_whole as write_file;
 use crate::output::write_whole_with;
 pub use crate::report::{ErrorFields, panic_text, plain_text};
 pub use crate::standard::Input as Source;
+pub use crate::unfold::{Unfolded, unfolded};
 use foldpath::export::fold::write_motion;
 use foldpath::motion::Motion;
 use foldpath::pattern::CreasePattern;

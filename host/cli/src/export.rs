@@ -1,5 +1,6 @@
 //! Runs `foldpath export`, which writes a path, or its pattern, in other formats.
 
+use std::borrow::Cow;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use crate::args::Export;
@@ -48,7 +49,12 @@ pub(crate) fn motion(args: &Export, motion: &Motion, name: &Path) -> Result<(), 
     if is_standard(&args.output) {
         return Err(CliError::Usage("-o: expected a file, found -".into()));
     }
-    export(args, &options, Source::Motion(motion), name, true).map(drop)
+    let mut motion = Cow::Borrowed(motion);
+    if let Some(unit) = args.reading.get()?.options()?.unit {
+        check_unit(name, motion.pattern.unit(), unit)?;
+        motion.to_mut().measured_in(unit);
+    }
+    export(args, &options, Source::Motion(&motion), name, true).map(drop)
 }
 
 /// Returns the options, which have to have a meaning for the format.

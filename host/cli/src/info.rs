@@ -6,6 +6,7 @@ use crate::args::Info;
 use crate::report::lost_lines;
 use crate::standard::Input;
 use crate::{Answer, foldability, print, print_json, print_notes};
+use foldpath::folding::DEFAULT_BOUND;
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
@@ -17,9 +18,11 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     let options = args.reading.get()?.options()?;
     let input = Input::of(&args.pattern)?;
     let file = input.pattern(&input.bytes()?, &options)?;
+    let motion = input.motion_of_sheet();
     drop(input);
     let pattern = &file.pattern;
     let mut info = PatternInfo::of(pattern, watch);
+    motion.iter().for_each(|motion| info.moved_by(motion));
     if args.edges {
         info.edges = EdgesInfo::list(pattern);
     }
@@ -30,7 +33,7 @@ pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
     print_notes(quiet, &info.repairs);
     print_notes(quiet, &info.assumptions);
     print_notes(quiet, radians_hint(pattern, info.closure_goal).as_slice());
-    let mut text = summary(&file, &info);
+    let mut text = summary(&file, &info, motion.is_some());
     text += &foldability::text(pattern, &info.crease_groups, &info.forecast, &args.pattern);
     if let EdgesInfo::List(edges) = &info.edges {
         text += &listed(edges);
@@ -60,7 +63,7 @@ fn listed(edges: &[EdgeInfo]) -> String {
     text
 }
 
-fn summary(file: &PatternFile, info: &PatternInfo) -> String {
+fn summary(file: &PatternFile, info: &PatternInfo, moves: bool) -> String {
     let letters = info
         .letters
         .iter()
@@ -101,6 +104,16 @@ fn summary(file: &PatternFile, info: &PatternInfo) -> String {
         || "unknown".to_string(),
         |factor| format!("{factor:.4}: errors of the sheet per closure residual of a vertex"),
     );
+    let skew = info.skew_bound.map_or_else(
+        || "unknown".to_string(),
+        |skew| {
+            let speed = match moves {
+                true => "along this path",
+                false => "at 45 degrees a second",
+            };
+            format!("boards may be {skew:.1e} s apart {speed}: gaps stay within {DEFAULT_BOUND}")
+        },
+    );
     format!(
         "{}\n{lost}  \
          sheet               {} faces, {} vertices ({} real, {} virtual), {} edges ({letters}){parts}\n  \
@@ -109,6 +122,7 @@ fn summary(file: &PatternFile, info: &PatternInfo) -> String {
          essential vertices  {}\n  \
          controller          needs room for {} groups, {} hinges and {} spokes\n  \
          amplification       {amplification}\n  \
+         skew                {skew}\n  \
          goal                {goal}\n",
         file.title,
         info.faces,

@@ -1,18 +1,31 @@
 //! Runs `foldpath loads`, which tells how strong the drives of a sheet have to be.
 
-use crate::args::Loads as Args;
+use std::path::Path;
+use std::time::Instant;
+
+use crate::args::{LoadArgs, Loads as Args};
 use crate::progress::watched;
-use crate::report::outcome;
+use crate::report::{out_of_time, outcome};
 use crate::standard::{Input, source};
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::Vector3;
-use foldpath::pattern::FaceId;
+use foldpath::motion::Motion;
+use foldpath::pattern::{EdgeId, FaceId};
 use foldpath::progress::Watch;
 use foldpath::read::check_unit;
-use foldpath::request::{LoadsJson, ReadingRequest, Request};
-use foldpath::sensitivity::{Load, Loads, STANDARD_GRAVITY};
+use foldpath::request::{LoadsJson, ReadingRequest, Request, timeout};
+use foldpath::sensitivity::{Load, Loads, NoLoads, STANDARD_GRAVITY};
 
-pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
+/// Returns the load of a sheet, whose motion gets the unit that is named.
+///
+/// # Errors
+/// If the file of this name has another unit, or an option is one of drawings.
+pub(crate) fn load(
+    args: &LoadArgs,
+    areal_density: f64,
+    name: &Path,
+    motion: &mut Motion,
+) -> Result<Load, CliError> {
     let reading = args.reading.get()?;
     let without_unit = ReadingRequest {
         unit: None,
@@ -22,28 +35,46 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
         let text = "--tolerance, --straighten, --colors, --layers and --dashes: loads reads a path, not a drawing";
         return Err(CliError::Usage(text.into()));
     }
-    let input = Input::of(&args.path)?;
-    let mut motion = input.motion_for("loads")?;
     if let Some(unit) = reading.options()?.unit {
-        check_unit(&input.name, motion.pattern.unit(), unit)?;
+        check_unit(Path::new(&*source(name)), motion.pattern.unit(), unit)?;
         motion.measured_in(unit);
     }
-    let drives = match &args.drives {
-        Some(file) => Input::of(file)?.drives()?,
-        None => Vec::new(),
-    };
-    let load = Load {
-        areal_density: args.areal_density,
+    Ok(Load {
+        areal_density,
         fixed: args.fixed.map(FaceId),
         gravity: args
             .gravity
             .map_or(Vector3::new(0.0, 0.0, -STANDARD_GRAVITY), |it| it.0),
-        spring: args.spring,
+        spring: args
+            .spring
+            .iter()
+            .rfind(|spring| spring.edge.is_none())
+            .map_or(0.0, |spring| spring.stiffness),
+        springs: args
+            .spring
+            .iter()
+            .filter_map(|spring| Some((EdgeId(spring.edge?), spring.stiffness)))
+            .collect(),
+    })
+}
+
+pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
+    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
+    let mut motion = Input::of(&args.path)?.motion_for("loads")?;
+    let load = load(&args.load, args.areal_density, &args.path, &mut motion)?;
+    let drives = match &args.drives {
+        Some(file) => Input::of(file)?.drives()?,
+        None => Vec::new(),
     };
     let loads = watched(&args.report, quiet, |progress| {
-        Loads::least(&motion, &load, Watch::new(progress))
+        let watch = Watch::new(progress).until(deadline);
+        Loads::least_of(&motion, &load, args.drivers, watch)
     });
-    let loads = loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?;
+    let loads = match loads {
+        Err(no @ NoLoads::Cancelled) => return out_of_time(&args.path, no, &args.report),
+        loads => loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?,
+    };
+    let is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let json = LoadsJson::of(&motion, &loads, &drives);
     let fits = json.fits.iter().all(|fit| fit.fits);
     if args.report.json {
@@ -53,6 +84,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
     print_notes(quiet, motion.pattern.assumptions());
     let named: Vec<String> = json.drivers.iter().map(ToString::to_string).collect();
     let least = match loads.is_least {
+        _ if is_up => "time ran out in the search for a better set",
         true => "of all sets the one whose largest torque is least",
         false => "no exchange of one driver makes the largest torque less",
     };

@@ -1,14 +1,17 @@
 //! Runs `foldpath plot`, which draws curves of a path as an SVG or PNG picture.
 
-use crate::args::Shown;
+use crate::args::Plot;
 use crate::fonts::Font;
+use crate::loads::load;
 use crate::output::write_whole;
 use crate::png::png;
-use crate::standard::{Input, is_standard, print_summary, shown};
+use crate::standard::{Input, is_standard, print_summary, shown, source};
 use crate::{Answer, CliError, check_output};
 use foldpath::plot::{Curves, svg};
+use foldpath::progress::Watch;
+use foldpath::sensitivity::Loads;
 
-pub(crate) fn run(args: &Shown, quiet: bool) -> Answer {
+pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
     let output = shown(&args.output);
     let ending = args.output.extension().unwrap_or_default();
     let pixels = ending.eq_ignore_ascii_case("png");
@@ -18,8 +21,20 @@ pub(crate) fn run(args: &Shown, quiet: bool) -> Answer {
         )));
     }
     check_output("-o", &args.output, [&args.path])?;
-    let path = Input::of(&args.path)?.motion_for("plot")?;
+    let mut path = Input::of(&args.path)?.motion_for("plot")?;
+    let loads = match args.areal_density {
+        Some(density) => {
+            let load = load(&args.load, density, &args.path, &mut path)?;
+            let loads = Loads::least(&path, &load, Watch::default());
+            Some(loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?)
+        }
+        None => None,
+    };
     let curves = Curves::of_path(&path);
+    let curves = match &loads {
+        Some(loads) => curves.with_torques(&path, loads),
+        None => curves,
+    };
     let text = svg(&curves);
     let picture = if pixels {
         let pixels = png(&text, Font::of_system().as_ref());

@@ -2,15 +2,19 @@
 //! and a hint if there is one. Colours are used if stderr is a terminal that has them.
 
 use core::any::Any;
+use core::fmt::Display;
 use core::ops::Range;
 use std::borrow::Cow;
 use std::io::Write;
+use std::path::Path;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
-use crate::{CliError, hints};
+use crate::args::Report;
+use crate::standard::source;
+use crate::{Answer, CliError, hints};
 use foldpath::pattern::LostLines;
 use foldpath::request::RequestError;
 
@@ -58,6 +62,16 @@ pub(crate) fn lost_lines(lost: &LostLines) -> String {
 pub(crate) fn tell(error: &CliError) {
     let text = text_of(error);
     let _gone = writeln!(anstream::stderr(), "{text}");
+}
+
+/// Tells that the time of a command ran out before it had anything to tell of a file: the answer is not known.
+pub(crate) fn out_of_time(file: &Path, no: impl Display, report: &Report) -> Answer {
+    let error = CliError::Usage(format!("{}: {no}", source(file)));
+    tell(&error);
+    if report.json {
+        tell_json(&error);
+    }
+    Ok(false)
 }
 
 /// Returns a sentence about a panic.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-use crate::args::Command;
+use crate::args::{Command, Plot, Shown};
 use crate::{CliError, print, say};
 use foldpath::export::fold::pattern_text;
 use foldpath::motion::Motion;
@@ -196,6 +196,13 @@ impl Input {
         self.parsed(parse_motion)
     }
 
+    /// Reads the motion of a sheet whose file has one; `None` for a crease pattern.
+    #[must_use]
+    pub fn motion_of_sheet(&self) -> Option<Motion> {
+        let is_fold = self.format() == Format::Fold;
+        is_fold.then(|| self.motion().ok())?
+    }
+
     /// Reads the goal angles (radians) of the creases of a pattern in some frames, and returns them with the name of this
     /// input.
     pub(crate) fn named_goals(
@@ -214,7 +221,10 @@ impl Input {
     }
 
     /// Reads a table of drives.
-    pub(crate) fn drives(&self) -> Result<Vec<Drive>, CliError> {
+    ///
+    /// # Errors
+    /// If it cannot be read, or a line is no drive.
+    pub fn drives(&self) -> Result<Vec<Drive>, CliError> {
         self.parsed(|name, bytes| parse_drives(name, &text(bytes)))
     }
 
@@ -315,8 +325,8 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             )
         }
         Command::Unfold(args) => (vec![("SHAPE", &args.shape)], vec![("-o", &args.output)]),
-        Command::View(args) | Command::Plot(args) => {
-            (vec![("PATH", &args.path)], vec![("-o", &args.output)])
+        Command::View(Shown { path, output }) | Command::Plot(Plot { path, output, .. }) => {
+            (vec![("PATH", path)], vec![("-o", output)])
         }
         Command::Export(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),
         Command::Stream(args) => {

@@ -1,23 +1,29 @@
 //! Runs `foldpath tolerance`, which tells how exactly a sheet has to be made.
 
+use std::time::Instant;
+
 use crate::args::Tolerance as Args;
 use crate::progress::watched;
+use crate::report::out_of_time;
 use crate::standard::{Input, source};
 use crate::{Answer, CliError, print, print_json, print_notes};
 use foldpath::progress::Watch;
-use foldpath::request::ToleranceJson;
-use foldpath::sensitivity::{FROM_DEG, Tolerance};
+use foldpath::request::{ToleranceJson, timeout};
+use foldpath::sensitivity::{FROM_DEG, NoTolerance, Tolerance};
 
 /// Number of hinges and vertices that the summary lists.
 const LISTED: usize = 8;
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
+    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
     let motion = Input::of(&args.path)?.motion_for("tolerance")?;
     let tolerance = watched(&args.report, quiet, |progress| {
-        Tolerance::of(&motion, Watch::new(progress))
+        Tolerance::of(&motion, Watch::new(progress).until(deadline))
     });
-    let tolerance =
-        tolerance.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?;
+    let tolerance = match tolerance {
+        Err(no @ NoTolerance::Cancelled) => return out_of_time(&args.path, no, &args.report),
+        found => found.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?,
+    };
     let error = match (args.error, args.play) {
         (Some(error), _) => Some(error),
         (None, play) => play

@@ -1,80 +1,74 @@
 //! Runs `foldpath unfold`, which makes a crease pattern of a folded shape.
 
-use serde::Serialize;
-
-use crate::args::{Cut, Unfold};
+use crate::args::Unfold;
 use crate::hints;
-use crate::output::write_whole_with;
+use crate::output::write_whole;
 use crate::standard::{Input, print_summary, shown};
 use crate::{Answer, CliError, check_output, print_json, print_notes};
 use foldpath::export::fold::write_pattern;
-use foldpath::read::FileError;
-use foldpath::unfold::{self, Outcome, UnfoldOptions, Unfolding, unfold};
+use foldpath::read::{FileError, check_unit};
+use foldpath::request::{Request, UnfoldJson, UnfoldRequest};
+use foldpath::unfold::{Outcome, Unfolding, unfold};
 
-#[derive(Serialize)]
-struct UnfoldJson {
-    outcome: &'static str,
-    reason: Option<String>,
-    vertices: usize,
-    faces: usize,
-    creases: usize,
-    cuts: usize,
-    pieces: usize,
-    max_angle_defect: f64,
-    max_closure: Option<f64>,
+/// A shape that was unfolded.
+pub struct Unfolded {
+    /// Title of the shape.
+    title: String,
+    unfolding: Unfolding,
+    /// The object of `foldpath unfold --json`.
+    pub json: UnfoldJson,
+    /// The text of the crease pattern, a FOLD file, if one was found.
+    pub pattern: Option<Vec<u8>>,
+    /// Notes on the shape and its pattern, in sentences.
+    pub notes: Vec<String>,
 }
 
-pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
-    let degrees = args.max_defect;
-    if !(degrees > 0.0 && degrees <= 10.0) {
-        return Err(CliError::Usage(format!(
-            "--max-defect: expected degrees above 0 and at most 10, found {degrees}"
-        )));
+/// Unfolds a shape.
+///
+/// # Errors
+/// If it cannot be read, is no surface, has another unit than the request, or an option is out of its range.
+pub fn unfolded(input: &Input, request: &UnfoldRequest) -> Result<Unfolded, CliError> {
+    let options = request.options()?;
+    let file = input.shape(request.frame)?;
+    if let Some(told) = request.unit {
+        check_unit(&input.name, file.unit, told)?;
     }
-    check_output("-o", &args.output, [&args.shape])?;
-    let input = Input::of(&args.shape)?;
-    let file = input.shape(args.frame)?;
-    let options = UnfoldOptions::default().with(|it| {
-        it.max_defect = degrees.to_radians();
-        it.cut = match args.cut {
-            Cut::Auto => unfold::Cut::Auto,
-            Cut::None => unfold::Cut::None,
-        };
-    });
     let unfolding = unfold(&file.shape, &options).map_err(|source| FileError::Shape {
         path: input.name.clone(),
         source,
     })?;
-    if let Some(drawing) = &unfolding.drawing {
-        write_whole_with(&args.output, |mut out| {
-            write_pattern(
-                &file.title,
-                drawing,
-                unfolding.precision,
-                file.unit,
-                &mut out,
-            )
-        })?;
+    let pattern = unfolding.drawing.as_ref().map(|drawing| {
+        let (unit, mut text) = (request.unit.or(file.unit), Vec::new());
+        // Memory takes whatever is written.
+        let _infallible = write_pattern(&file.title, drawing, unfolding.precision, unit, &mut text);
+        text
+    });
+    let mut notes = file.notes;
+    notes.extend(unfolding.notes.iter().map(ToString::to_string));
+    Ok(Unfolded {
+        title: file.title,
+        json: UnfoldJson::of(&unfolding, reason(&unfolding)),
+        unfolding,
+        pattern,
+        notes,
+    })
+}
+
+pub(crate) fn run(args: &Unfold, quiet: bool) -> Answer {
+    let request = args.request.get()?;
+    check_output("-o", &args.output, [&args.shape])?;
+    let unfolded = unfolded(&Input::of(&args.shape)?, request)?;
+    if let Some(pattern) = &unfolded.pattern {
+        write_whole(&args.output, pattern)?;
     }
-    print_notes(quiet, &file.notes);
-    print_notes(quiet, &unfolding.notes);
+    print_notes(quiet, &unfolded.notes);
     if args.report.json {
-        print_json(&UnfoldJson {
-            outcome: unfolding.outcome.name(),
-            reason: reason(&unfolding),
-            vertices: unfolding.vertices,
-            faces: unfolding.faces,
-            creases: unfolding.creases,
-            cuts: unfolding.cuts,
-            pieces: unfolding.pieces,
-            max_angle_defect: unfolding.max_angle_defect.to_degrees(),
-            max_closure: unfolding.max_closure,
-        })?;
+        print_json(&unfolded.json)?;
     } else {
-        let text = summary(args, &file.title, &unfolding);
+        let text = summary(args, &unfolded);
         print_summary(Some(&args.output), quiet, &text)?;
     }
-    Ok(unfolding.outcome == Outcome::Unfolded)
+    Ok(unfolded.unfolding.outcome == Outcome::Unfolded)
 }
 
 /// Returns the reason why there is no pattern, with the option that would help if there is one.
@@ -86,9 +80,15 @@ fn reason(unfolding: &Unfolding) -> Option<String> {
     })
 }
 
-fn summary(args: &Unfold, title: &str, unfolding: &Unfolding) -> String {
+fn summary(args: &Unfold, unfolded: &Unfolded) -> String {
+    let Unfolded {
+        title,
+        unfolding,
+        json,
+        ..
+    } = unfolded;
     let mut text = format!("{title}: {}\n", unfolding.outcome.name().replace('_', " "));
-    if let Some(reason) = reason(unfolding) {
+    if let Some(reason) = &json.reason {
         text += &format!("  reason       {reason}\n");
     }
     text += &format!(

@@ -166,6 +166,32 @@ impl FromStr for Gravity {
     }
 }
 
+/// Value `NM_PER_RAD` of `--spring`, or `I=NM_PER_RAD` for the hinge at edge I.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spring {
+    pub(crate) edge: Option<u32>,
+    pub(crate) stiffness: f64,
+}
+
+impl FromStr for Spring {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (edge, number) = match text.split_once('=') {
+            Some((edge, number)) => {
+                let edge = edge.trim().parse();
+                (
+                    Some(edge.map_err(|_| "expected I=NUMBER, with the number of an edge")?),
+                    number,
+                )
+            }
+            None => (None, text),
+        };
+        let stiffness = zero_or_above(number.trim())?;
+        Ok(Self { edge, stiffness })
+    }
+}
+
 /// Largest number that an argument may be.
 const LARGEST: f64 = 1e12;
 

@@ -5,6 +5,7 @@
 //! and `place_all`), or the faces that are asked for (`LazyFolding`).
 
 mod amplification;
+mod boxes;
 mod dihedral;
 mod fit;
 mod hinge;
@@ -17,6 +18,7 @@ mod rounding;
 mod shapes;
 
 pub use amplification::{amplification, worst_amplification};
+pub use boxes::{small_box, smallest_rectangle};
 pub use dihedral::Dihedral;
 pub(crate) use dihedral::fold_angle;
 pub(crate) use fit::fit_sheets;

@@ -328,6 +328,27 @@ impl Motion {
         }
     }
 
+    /// Returns the rate of each group at a time (seconds), radians per second, by the derivative of its curve. At a knot the
+    /// rate is that of the segment after it, and at the last knot that of the segment before. Outside of the motion the sheet
+    /// is at rest.
+    #[must_use]
+    pub fn rates(&self, time: f64) -> Vec<f64> {
+        let after = self.knots.partition_point(|knot| knot.time <= time);
+        let is_last = self.knots.last().is_some_and(|knot| knot.time >= time);
+        let segment = match after {
+            0 => None,
+            after if after < self.knots.len() => Some(after - 1),
+            _ => self.segments().checked_sub(1).filter(|_| is_last),
+        };
+        let Some(segment) = segment else {
+            return vec![0.0; self.groups()];
+        };
+        let span = self.span(segment);
+        let s = (time - self.knots[segment].time) / span;
+        let curves = self.curves(segment);
+        curves.map(|curve| curve.derivatives(s)[0] / span).collect()
+    }
+
     /// Returns the configurations at these times (seconds, increasing) as knots of a motion.
     #[must_use]
     pub fn at_times(&self, times: impl IntoIterator<Item = f64>) -> Self {

@@ -7,6 +7,7 @@ use crate::folding::{Dihedral, shapes};
 use crate::motion::{GroupNaming, Motion};
 use crate::pattern::EdgeId;
 use crate::progress::{Progress, Watch};
+use crate::sensitivity::Loads;
 
 /// Number of times along a path at which curves are sampled, besides the knots. Large sheets have fewer samples, so
 /// that at most `FOLDED` faces are folded in all.
@@ -46,6 +47,9 @@ pub struct Curves {
     pub clearance: Vec<Point>,
     /// Smallest distance met along the whole motion, if no faces pass through each other.
     pub min_clearance: Option<f64>,
+    /// Torque of each driver, newton metres, with the edge of its hinge; none unless [`with_torques`](Self::with_torques) adds
+    /// them.
+    pub torques: Vec<(EdgeId, Vec<Point>)>,
 }
 
 impl Curves {
@@ -72,6 +76,19 @@ impl Curves {
         };
         curves.judge(path, watch);
         curves
+    }
+
+    /// Adds the torques of the drivers of this path.
+    #[must_use]
+    pub fn with_torques(mut self, path: &Motion, loads: &Loads) -> Self {
+        let drivers = loads.drivers.iter().enumerate();
+        let curves = drivers.map(|(k, driver)| {
+            let moments = loads.times.iter().zip(&loads.torques);
+            let points = moments.map(|(time, torques)| (*time, torques[k]));
+            (path.pattern.creases()[driver.index()], points.collect())
+        });
+        self.torques = curves.collect();
+        self
     }
 
     /// Measures deformation and gap, and bounds both over the whole motion.

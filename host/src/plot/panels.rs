@@ -43,10 +43,14 @@ pub fn svg(curves: &Curves) -> String {
 }
 
 fn draw(curves: &Curves, text: &mut String) -> Drawn {
-    let root = SVGBackend::with_string(text, (WIDTH, 4 * HEIGHT)).into_drawing_area();
+    let usual = [angles, measured, errors, clearance].into_iter();
+    let more = (!curves.torques.is_empty()).then_some(torques as fn(&Curves, &Area<'_>) -> Drawn);
+    let draw: Vec<_> = usual.chain(more).collect();
+    #[allow(clippy::cast_possible_truncation, reason = "four or five panels")]
+    let height = draw.len() as u32 * HEIGHT;
+    let root = SVGBackend::with_string(text, (WIDTH, height)).into_drawing_area();
     root.fill(&WHITE)?;
-    let panels = root.split_evenly((4, 1));
-    let draw = [angles, measured, errors, clearance];
+    let panels = root.split_evenly((draw.len(), 1));
     for (panel, draw) in panels.iter().zip(draw) {
         draw(curves, panel)?;
     }
@@ -178,6 +182,21 @@ fn clearance(curves: &Curves, area: &Area<'_>) -> Drawn {
         distances,
     )?;
     line(&mut chart, &curves.clearance, of_group(0), None)
+}
+
+/// Draws the torques of the drivers.
+fn torques(curves: &Curves, area: &Area<'_>) -> Drawn {
+    let values = curves.torques.iter().flat_map(|(_, curve)| curve);
+    let most = values.clone().map(|p| p.1.abs()).fold(0.0, f64::max);
+    let drivers = curves.torques.len();
+    let caption = format!("torques of the drivers, {drivers} of them: {most:.3e} Nm at most");
+    let values = range([0.0].into_iter().chain(values.map(|p| p.1)));
+    let mut chart = against_time(curves, area, &caption, "torque, Nm", values)?;
+    for (index, (edge, curve)) in curves.torques.iter().enumerate() {
+        let name = (index < NAMED).then(|| format!("hinge {edge}"));
+        line(&mut chart, curve, of_group(index), name)?;
+    }
+    legend(&mut chart, SeriesLabelPosition::UpperLeft)
 }
 
 const TIME: &str = "time along the path, seconds (upright lines: knots)";

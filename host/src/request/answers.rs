@@ -13,14 +13,20 @@ use super::order::Order;
 use super::plan::Planned;
 use crate::check::{PathCrossing, Verdict};
 use crate::collision::SweepCounts;
-use crate::folding::worst_amplification;
+use crate::folding::{FoldingMap, small_box, smallest_rectangle, worst_amplification};
 use crate::motion::Motion;
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, Letter, Precision, Unit, VertexId};
-use crate::planner::{Attempt, Cause, Forecast, Outcome, Plan, forecast};
+use crate::planner::{
+    Attempt, Cause, DEFAULT_MAX_SPEED_DEG_PER_S, Forecast, Outcome, Plan, forecast,
+};
 use crate::progress::Watch;
 use crate::read::fold::PatternFile;
-use crate::sensitivity::{Drive, HingePlay, Loads, Peak, Tolerance};
+use crate::sensitivity::{
+    Drive, HingePlay, Loads, Peak, Tolerance, skew_bound, skew_residual, skew_residual_of_sheet,
+};
 use crate::symmetry::{CreaseGroups, ReducedStars, closure_of};
+use crate::unfold::Unfolding;
+use crate::util::nan_max::largest;
 
 /// Largest number of panels that bend that are named.
 const MAX_BENDS: usize = 8;
@@ -107,6 +113,23 @@ answers! {
         precision: PrecisionJson = PrecisionJson::of(pattern.precision());
         thickness: Option<f64> = plan.thickness;
         max_thickness: Option<[f64; 2]> = plan.max_thickness;
+    }
+
+    /// Figures by which designs are ranked, in a result of `foldpath batch`: of the flat sheet, and of the thin sheet at the end
+    /// of its motion. Sides of boxes begin with the longest.
+    FiguresJson of (motion: &Motion) {
+        let pattern = &motion.pattern;
+        let folded = motion.crease_angles(motion.knots.len() - 1);
+        let folded = FoldingMap::new(pattern, pattern.tree(), &folded);
+        let flat_box = smallest_rectangle(pattern.vertices());
+        let folded_box = small_box(pattern, folded.vertices());
+        let ratio = flat_box[0] * flat_box[1] / (folded_box[0] * folded_box[1]);
+        let angles = motion.knots.iter().flat_map(|knot| &knot.angles);
+    } {
+        flat_box: [f64; 2] = flat_box;
+        folded_box: [f64; 3] = folded_box;
+        packing_ratio: Option<f64> = Some(ratio).filter(|ratio| ratio.is_finite());
+        largest_angle: f64 = largest(angles.map(|angle| angle.abs())).to_degrees();
     }
 
     /// Units of the last digit of a pattern's numbers: of its coordinates, and of its goal angles in degrees. Exact numbers
@@ -240,6 +263,20 @@ answers! {
         at: Option<f64> = at;
     }
 
+    /// The answer to unfolding a shape, which serialises to the JSON object of `foldpath unfold --json`. The reason is that of
+    /// the outcome, in a sentence.
+    UnfoldJson of (unfolding: &Unfolding, reason: Option<String>) {} {
+        outcome: &'static str = unfolding.outcome.name();
+        reason: Option<String> = reason;
+        vertices: usize = unfolding.vertices;
+        faces: usize = unfolding.faces;
+        creases: usize = unfolding.creases;
+        cuts: usize = unfolding.cuts;
+        pieces: usize = unfolding.pieces;
+        max_angle_defect: f64 = unfolding.max_angle_defect.to_degrees();
+        max_closure: Option<f64> = unfolding.max_closure;
+    }
+
     /// Two faces that pass through each other.
     CrossingJson of (found: &PathCrossing) {} {
         faces: [u32; 2] = found.crossing.faces.map(|face| face.0);
@@ -266,6 +303,8 @@ answers! {
         let goals = pattern.creases().iter().map(|&id| pattern.edge(id).goal);
         let closure_goal = closure_of(pattern, &goals.collect::<Vec<_>>());
         let forecast = forecast(pattern, &crease_groups, watch);
+        let amplification = worst_amplification(pattern, pattern.tree());
+        let residual = skew_residual_of_sheet(pattern, DEFAULT_MAX_SPEED_DEG_PER_S.to_radians());
         assumptions.extend(forecast.straightened.map(|how| format!("the forecast is that of the sheet {how}")));
     } {
         vertices: usize = pattern.vertices().len();
@@ -281,7 +320,7 @@ answers! {
         groups: usize = crease_groups.len();
         essential_vertices: usize = stars.vertices().len();
         closure_goal: Option<f64> = closure_goal;
-        amplification: Option<f64> = worst_amplification(pattern, pattern.tree());
+        amplification: Option<f64> = amplification;
         repairs: Vec<String> = pattern.repairs().to_vec();
         assumptions: Vec<String> = assumptions;
         verdict: &'static str = forecast.foldability.name();
@@ -290,6 +329,7 @@ answers! {
         flat_dof: Option<usize> = forecast.flat_motions();
         goal_dof: Option<usize> = forecast.goal_motions;
         drivers: Vec<usize> = edges(&forecast.drivers(pattern, &crease_groups));
+        skew_bound: Option<f64> = residual.zip(amplification).and_then(|(residual, factor)| skew_bound(residual, factor));
         /// Number of spokes of all essential vertices, for which a controller needs room.
         #[serde(skip)]
         spokes: usize = stars.view().iter().map(|star| star.spokes.len()).sum();
@@ -318,6 +358,14 @@ answers! {
         edges: Vec<usize> = edges(&cause.edges);
         at: [f64; 2] = cause.at;
         message: String = cause.to_string();
+    }
+}
+
+impl PatternInfo {
+    /// Replaces the bound on the skew, which is that of any motion at the usual speed, by that of this motion of the sheet.
+    pub fn moved_by(&mut self, motion: &Motion) {
+        let both = skew_residual(motion).zip(self.amplification);
+        self.skew_bound = both.and_then(|(residual, factor)| skew_bound(residual, factor));
     }
 }
 

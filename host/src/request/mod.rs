@@ -44,13 +44,15 @@ mod table;
 mod values;
 
 pub use answers::{
-    CauseJson, CheckJson, EdgeInfo, EdgesInfo, InputJson, LoadsJson, PatternInfo, PlanJson,
-    ToleranceJson,
+    CauseJson, CheckJson, EdgeInfo, EdgesInfo, FiguresJson, InputJson, LoadsJson, PatternInfo,
+    PlanJson, ToleranceJson, UnfoldJson,
 };
 pub use error::RequestError;
 pub use families::{FAMILIES, FamilyInfo, generate};
 pub use hints::radians_hint;
-pub use options::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, timeout};
+pub use options::{
+    CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest, timeout,
+};
 pub use order::Order;
 pub use plan::{NamedGoals, PlanTask, Planned};
 pub use suggestion::{Suggestion, two_digits_above};

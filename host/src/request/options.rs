@@ -27,6 +27,7 @@ use crate::planner::{
     Symmetry, Timing, Vertices,
 };
 use crate::read::{ColourLetters, LayerLetters, ReadOptions, Straighten, TOLERANCE};
+use crate::unfold::{Cut, DEFAULT_MAX_DEFECT_DEG, MAX_DEFECT_DEG, UnfoldOptions};
 use crate::util::range::Range;
 
 /// Largest error of a drive.
@@ -321,6 +322,29 @@ options! {
         /// With traj or rust: loss of the speed in a second when the controller brakes, in full speeds
         brake: f64 = Drives::USUAL.brake, value_name: "PER_S", range: Some(Range::above("a rate in 1/s", 0.0))
             => |export, brake| export.drives.brake = *brake;
+    }
+}
+
+options! {
+    /// Options of unfolding a shape.
+    UnfoldRequest for UnfoldOptions {
+        /// Frame of a FOLD file; the key frame is 0 [default: the last folded form, or else the key frame]
+        frame: Option<usize> = None, value_name: "N" => |_, _| ();
+
+        /// Unit of the lengths of a shape whose file names none
+        ///
+        /// A unit that differs from that of the file is an error. The crease pattern has the unit.
+        unit: Option<Unit> = None, value_name: "UNIT" => |_, _| ();
+
+        /// Largest error of the shape that is taken for noise, degrees
+        ///
+        /// This bounds the angle defect of an inner vertex and the slope of a face out of its plane. Defects that the rounding
+        /// of the file's coordinates explains, by their digits, are taken for noise as well.
+        max_defect: f64 = DEFAULT_MAX_DEFECT_DEG, value_name: "DEG", range: Some(MAX_DEFECT_DEG)
+            => |unfold, degrees| unfold.max_defect = degrees.to_radians();
+
+        /// Which shapes are cut so that they lie flat
+        cut: Cut = Cut::Auto, value_name: "WHICH";
     }
 }
 

@@ -13,6 +13,7 @@ use crate::motion::{HINGE_PLANE, PlateSides, THICKNESS};
 use crate::pattern::{Letter, Unit};
 use crate::planner::{Search, Solver, Symmetry, Timing, Vertices};
 use crate::read::{ColourLetters, LayerLetters, Straighten};
+use crate::unfold::Cut;
 
 /// Something that is done or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -284,6 +285,10 @@ named! {
     Objective {
         "max": Self::Max, "The worst vertex";
         "sum": Self::Sum, "The sum over all vertices";
+    }
+    Cut {
+        "auto": Self::Auto, "Those that no plane holds whole";
+        "none": Self::None, "None";
     }
     Straighten {
         "auto": Self::Auto, "If the sheet does not fold as it is drawn";

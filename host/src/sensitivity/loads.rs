@@ -18,7 +18,7 @@ use super::places::{FoldedSheet, Twist};
 use super::{Conditions, NoDerivative, ROUNDING_RATIO, Sensitivity};
 use crate::folding::STEP;
 use crate::motion::Motion;
-use crate::pattern::{CreaseId, CreasePattern, FaceId, Unit};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, Unit};
 use crate::progress::{Stage, Watch};
 use crate::util::parallel;
 
@@ -32,7 +32,7 @@ const BESIDE: [f64; 3] = [0.02, 0.1, 0.5];
 const MAX_LOOKS: f64 = 5e6;
 
 /// Weight and springs of a sheet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// Mass of the panels, kilograms per square metre.
     pub areal_density: f64,
@@ -43,6 +43,8 @@ pub struct Load {
     pub gravity: Vector3<f64>,
     /// Stiffness of the spring in each hinge, newton metres per radian. Springs rest in the flat sheet.
     pub spring: f64,
+    /// Stiffness of the springs of single hinges, named by their edges, in place of `spring`; of two for one hinge the last.
+    pub springs: Vec<(EdgeId, f64)>,
 }
 
 /// A kind of drive.
@@ -71,8 +73,8 @@ pub struct Loads {
     pub peak: Peak,
     /// Smallest regularity of the drivers.
     pub regularity: f64,
-    /// `true` if all sets of drivers were compared and this is the best, `false` if the set was given, or is one that no exchange
-    /// of one driver improves.
+    /// `true` if all sets of drivers were compared and this is the best, `false` if the set was given, is one that no exchange of
+    /// one driver improves, or time ran out.
     pub is_least: bool,
     /// Number of times at which the configuration is singular, as in the flat sheet, which are left out.
     pub left_out: usize,
@@ -110,14 +112,20 @@ pub enum NoLoads {
         /// The number of faces.
         faces: usize,
     },
+    /// A spring is at an edge that is no hinge.
+    #[error("edge {edge} is no hinge, and has no spring")]
+    NoHinge {
+        /// The edge.
+        edge: EdgeId,
+    },
     /// The sheet has too many creases to number their products.
     #[error("the sheet has too many creases")]
     TooLarge,
     /// No hinge turns.
     #[error("no hinge turns")]
     Still,
-    /// The caller cancelled the call.
-    #[error("the call was cancelled")]
+    /// The caller cancelled the call, or its time is up.
+    #[error("time ran out before torques were found")]
     Cancelled,
     /// The motion does not close, or is singular all along.
     #[error("at {time:.3} s, {cause}")]
@@ -138,6 +146,18 @@ pub enum NoLoads {
         /// The times, seconds.
         times: [f64; 2],
     },
+    /// The number of drivers that was asked for cannot drive the sheet.
+    #[error(
+        "expected {freedom} to {hinges} drivers, from the degrees of freedom to all hinges, found {size}"
+    )]
+    Size {
+        /// The number that was asked for.
+        size: usize,
+        /// Degrees of freedom of the sheet.
+        freedom: usize,
+        /// Number of hinges.
+        hinges: usize,
+    },
     /// No set of hinges drives the sheet over the whole motion.
     #[error("no set of {size} hinges drives the sheet over the whole motion")]
     NoDrivers {
@@ -155,12 +175,36 @@ impl Loads {
     /// # Errors
     /// If the pattern has no unit or is in pieces, the face does not exist, no set drives the whole motion, or the watch is over.
     pub fn least(motion: &Motion, load: &Load, watch: Watch<'_>) -> Result<Self, NoLoads> {
+        Self::least_of(motion, load, None, watch)
+    }
+
+    /// Finds the set of this many drivers whose largest torque over a motion is least; see [`least`](Self::least). Drivers beyond
+    /// the degrees of freedom share the load: of all torques that hold the sheet those with the least sum of squares are taken.
+    ///
+    /// # Errors
+    /// As for [`least`](Self::least), or if there are fewer drivers than degrees of freedom or more than hinges.
+    pub fn least_of(
+        motion: &Motion,
+        load: &Load,
+        size: Option<usize>,
+        watch: Watch<'_>,
+    ) -> Result<Self, NoLoads> {
         let sheet = LoadedMotion::new(motion, load, watch)?;
-        let (drivers, is_least) = sheet.least_set()?;
+        let (freedom, hinges) = (sheet.freedom(), sheet.hinges());
+        let size = size.unwrap_or(freedom);
+        if !(freedom..=hinges).contains(&size) {
+            return Err(NoLoads::Size {
+                size,
+                freedom,
+                hinges,
+            });
+        }
+        let (drivers, is_least) = sheet.least_set(size)?;
         Ok(sheet.loads(&drivers, is_least))
     }
 
-    /// Returns the torques of the drivers that are given.
+    /// Returns the torques of the drivers that are given, which share the load as in [`least_of`](Self::least_of) if they are more
+    /// than the degrees of freedom.
     ///
     /// # Errors
     /// As for [`least`](Self::least), or if these drivers do not determine the other hinges at every time.
@@ -169,7 +213,7 @@ impl Loads {
         let size = sheet.freedom();
         let drivers: Vec<usize> = drivers.iter().map(|driver| driver.index()).collect();
         let exist = drivers.iter().all(|&driver| driver < sheet.hinges());
-        if drivers.len() != size || !exist || sheet.peak(&drivers, f64::INFINITY).is_none() {
+        if drivers.len() < size || !exist || sheet.peak(&drivers, f64::INFINITY).is_none() {
             return Err(NoLoads::NoDrivers { size });
         }
         Ok(sheet.loads(&drivers, false))
@@ -206,6 +250,22 @@ struct Moment {
     forces: DVector<f64>,
 }
 
+impl Moment {
+    /// Returns the torques of drivers, the least ones if they are more than the degrees of freedom, and the sign of the
+    /// determinant of as many drivers, 0 for more.
+    fn torques(&self, drivers: &[usize]) -> Option<(DVector<f64>, f64)> {
+        let rows = self.basis.select_rows(drivers);
+        if rows.is_square() {
+            let factors = rows.transpose().lu();
+            let sign = factors.determinant().signum();
+            return Some((factors.solve(&self.forces)?, sign));
+        }
+        // Z_d (Z_dᵀ Z_d)⁻¹ Zᵀ dU/dθ is the pseudoinverse of Z_dᵀ.
+        let shares = rows.tr_mul(&rows).cholesky()?.solve(&self.forces);
+        Some((rows * shares, 0.0))
+    }
+}
+
 /// A motion under a load.
 struct LoadedMotion<'a> {
     motion: &'a Motion,
@@ -229,6 +289,7 @@ impl<'a> LoadedMotion<'a> {
         if let Some(face) = load.fixed.filter(|face| face.index() >= faces) {
             return Err(NoLoads::NoFace { face, faces });
         }
+        let stiffness = stiffness(pattern, load)?;
         let conditions = Conditions::new(pattern).ok_or(NoLoads::TooLarge)?;
         let panels = Panels::of(pattern);
         let steps = motion.with_steps(STEP);
@@ -246,7 +307,7 @@ impl<'a> LoadedMotion<'a> {
             for time in [times[k]].into_iter().chain(beside) {
                 match Sensitivity::of_motion(&conditions, motion, time) {
                     Ok(at) => {
-                        let energy = energy_gradient(&panels, &at, load, metres);
+                        let energy = energy_gradient(&panels, &at, load, &stiffness, metres);
                         let basis = at.null_space.basis;
                         // The torques of a sheet in balance are 0 but for rounding.
                         let rounding = ROUNDING_RATIO * basis.abs().tr_mul(&energy.abs());
@@ -325,14 +386,11 @@ impl<'a> LoadedMotion<'a> {
         let mut peak = 0.0_f64;
         let mut before = 0.0;
         for (k, moment) in self.moments.iter().enumerate() {
-            let rows = moment.basis.select_rows(drivers);
-            let factors = rows.transpose().lu();
-            let sign = factors.determinant().signum();
+            let (torques, sign) = moment.torques(drivers)?;
             if k > 0 && sign * before * self.carried[k - 1] < 0.0 {
                 return None;
             }
             before = sign;
-            let torques = factors.solve(&moment.forces)?;
             peak = peak.max(torques.amax());
             let is_below = peak < most;
             if !is_below {
@@ -351,9 +409,9 @@ impl<'a> LoadedMotion<'a> {
         values.fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the set of drivers with the least peak, and `true` if it is the least of all sets.
-    fn least_set(&self) -> Result<(Vec<usize>, bool), NoLoads> {
-        let (n, size) = (self.hinges(), self.freedom());
+    /// Returns the set of this many drivers with the least peak, and `true` if it is the least of all sets.
+    fn least_set(&self, size: usize) -> Result<(Vec<usize>, bool), NoLoads> {
+        let n = self.hinges();
         #[allow(clippy::cast_precision_loss, reason = "an estimate")]
         let sets = (0..size).fold(1.0, |sets, k| sets * (n - k) as f64 / (k + 1) as f64);
         #[allow(clippy::cast_precision_loss, reason = "an estimate")]
@@ -361,11 +419,11 @@ impl<'a> LoadedMotion<'a> {
         let none = NoLoads::NoDrivers { size };
         let found = match looks <= MAX_LOOKS {
             true => self.least_of_all(size).map(|set| (set, true)),
-            false => self.least_by_exchange().map(|set| (set, false)),
+            false => self.least_by_exchange(size).map(|set| (set, false)),
         };
-        // A set that was found before the call was cancelled is not the best.
         if self.watch.is_over() {
-            return Err(NoLoads::Cancelled);
+            // A set that was found by then need not be the best.
+            return found.map_or(Err(NoLoads::Cancelled), |(set, _)| Ok((set, false)));
         }
         found.ok_or(none)
     }
@@ -390,8 +448,8 @@ impl<'a> LoadedMotion<'a> {
         }
     }
 
-    /// Exchanges one driver at a time, from sets that are most regular at one moment.
-    fn least_by_exchange(&self) -> Option<Vec<usize>> {
+    /// Exchanges one driver at a time, from sets that are most regular at one moment, to which drivers are added one by one.
+    fn least_by_exchange(&self, size: usize) -> Option<Vec<usize>> {
         let mut best: (f64, Option<Vec<usize>>) = (f64::INFINITY, None);
         for moment in &self.moments {
             let mut set = super::independent_rows(&moment.basis);
@@ -399,6 +457,21 @@ impl<'a> LoadedMotion<'a> {
             if let Some(peak) = self.peak(&set, best.0) {
                 best = (peak, Some(set));
             }
+        }
+        while best.1.as_ref()?.len() < size && !self.watch.is_over() {
+            let set = best.1.take()?;
+            best.0 = f64::INFINITY;
+            for hinge in (0..self.hinges()).filter(|hinge| !set.contains(hinge)) {
+                let mut more = set.clone();
+                more.push(hinge);
+                more.sort_unstable();
+                if let Some(peak) = self.peak(&more, best.0 * (1.0 - 1e-9)) {
+                    best = (peak, Some(more));
+                }
+            }
+        }
+        if best.1.as_ref()?.len() < size {
+            return None;
         }
         loop {
             let set = best.1.clone()?;
@@ -423,9 +496,8 @@ impl<'a> LoadedMotion<'a> {
     /// Returns the torques of a regular set of drivers.
     fn loads(&self, drivers: &[usize], is_least: bool) -> Loads {
         let torques = self.moments.iter().map(|moment| {
-            let rows = moment.basis.select_rows(drivers);
-            let solved = rows.transpose().lu().solve(&moment.forces);
-            solved.map_or(vec![f64::NAN; drivers.len()], |solved| {
+            let solved = moment.torques(drivers);
+            solved.map_or(vec![f64::NAN; drivers.len()], |(solved, _)| {
                 solved.as_slice().to_vec()
             })
         });
@@ -454,10 +526,14 @@ impl<'a> LoadedMotion<'a> {
             torque: 0.0,
             at: 0.0,
         };
+        let members = self.motion.memberships();
         let speeds = self.moments.iter().map(|moment| {
-            let drivers = drivers.iter();
-            let speed = |&driver: &usize| speed(self.motion, driver, moment.time);
-            drivers.map(speed).collect()
+            let rates = self.motion.rates(moment.time);
+            let speed = |&driver: &usize| {
+                let member = members[driver];
+                member.apply(rates[member.group.index()])
+            };
+            drivers.iter().map(speed).collect()
         });
         Loads {
             drivers: drivers
@@ -473,19 +549,6 @@ impl<'a> LoadedMotion<'a> {
             left_out: self.left_out,
         }
     }
-}
-
-/// Returns the speed of a crease at a time, radians per second.
-fn speed(motion: &Motion, crease: usize, time: f64) -> f64 {
-    if motion.segments() == 0 {
-        return 0.0;
-    }
-    let after = motion.knots.partition_point(|knot| knot.time <= time);
-    let segment = after.clamp(1, motion.segments()) - 1;
-    let (from, to) = (motion.knots[segment].time, motion.knots[segment + 1].time);
-    let curve = motion.curve(segment, motion.pattern.creases()[crease]);
-    let [rate, _] = curve.derivatives((time - from) / (to - from));
-    rate / (to - from)
 }
 
 /// Area and centre of mass of each face, in units of the sheet.
@@ -510,11 +573,24 @@ impl Panels {
     }
 }
 
+/// Returns the stiffness of the spring in each crease, newton metres per radian.
+fn stiffness(pattern: &CreasePattern, load: &Load) -> Result<Vec<f64>, NoLoads> {
+    let mut stiffness = vec![load.spring; pattern.creases().len()];
+    for &(edge, spring) in &load.springs {
+        let found = pattern.edges().get(edge.index());
+        let crease = found.and_then(|edge| edge.crease);
+        let crease = crease.ok_or(NoLoads::NoHinge { edge })?;
+        stiffness[crease.index()] = spring;
+    }
+    Ok(stiffness)
+}
+
 /// Returns dU/dθ, newton metres per radian.
 fn energy_gradient(
     panels: &Panels,
     at: &Sensitivity<'_>,
     load: &Load,
+    stiffness: &[f64],
     metres: f64,
 ) -> DVector<f64> {
     let pattern = at.conditions.pattern();
@@ -535,8 +611,8 @@ fn energy_gradient(
     held.turn -= sum.turn;
     held.shift -= sum.shift;
     let mut gradient = sheet.carried(&mut wrenches).angles;
-    for (by, angle) in gradient.iter_mut().zip(&at.angles) {
-        *by += load.spring * angle;
+    for ((by, angle), stiffness) in gradient.iter_mut().zip(&at.angles).zip(stiffness) {
+        *by += stiffness * angle;
     }
     DVector::from_vec(gradient)
 }

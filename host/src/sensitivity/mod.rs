@@ -35,12 +35,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Tolerance`] answers how exactly a sheet has to be made, [`Loads`] how strong its drives have to be.
+//! [`Tolerance`] answers how exactly a sheet has to be made, [`Loads`] how strong its drives have to be, and [`skew_bound`] how
+//! far apart in time its boards may be.
 
 mod conditions;
 mod loads;
 mod null_space;
 mod places;
+mod skew;
 mod tolerance;
 
 use nalgebra::{DMatrix, Vector2, Vector3};
@@ -51,6 +53,7 @@ use conditions::{Linearised, NormalFactor, magnitude, times, transposed};
 pub use loads::{Drive, Load, Loads, NoLoads, Peak, REGULAR, STANDARD_GRAVITY};
 use null_space::NullSpace;
 use places::{FoldedSheet, PatternRates};
+pub use skew::{skew_bound, skew_residual, skew_residual_of_sheet};
 pub use tolerance::{FROM_DEG, HingePlay, NoTolerance, PlayKind, Tolerance};
 
 use crate::motion::Motion;
@@ -74,6 +77,10 @@ const LAST_STEP_RAD: f64 = 1e-13;
 const MAX_CLOSING_RAD: f64 = 0.1;
 /// Turn of the hinge that turns most, from a configuration to the one at which it is compared, radians.
 const PROBE_RAD: f64 = 1e-3;
+/// Largest difference of a driver from the angle that it was given, radians.
+const DRIVEN_RAD: f64 = 1e-12;
+/// Largest turn of a driver in one step towards the angle that it was given, radians: half of [`MAX_CLOSING_RAD`].
+const MAX_DRIVEN_STEP_RAD: f64 = 0.05;
 /// Part of a change's effect on closure that may be left: rounding.
 const LEFT_RATIO: f64 = 1e-6;
 
@@ -141,6 +148,14 @@ pub enum NoDerivative {
         residual: f64,
         /// Norm of the effect of the change on closure, radians.
         of: f64,
+    },
+    /// The hinges that were given do not drive the sheet.
+    #[error(
+        "the drivers that are given do not determine the other hinges: expected {size} hinges that do"
+    )]
+    NotDrivers {
+        /// Number of drivers that the sheet needs.
+        size: usize,
     },
 }
 
@@ -277,6 +292,64 @@ impl<'c> Sensitivity<'c> {
     ) -> Result<Self, NoDerivative> {
         let there = motion.at_times([time]);
         Self::at(conditions, &there.crease_angles(0))
+    }
+
+    /// Returns the derivatives at the closed configuration at which the drivers have these angles (radians), found by Newton's
+    /// method from the fold angles of `start`. The drivers of the result are these.
+    ///
+    /// Cost: that of [`at`](Self::at) a few times.
+    ///
+    /// # Errors
+    /// As for [`at`](Self::at), or if these hinges do not determine the others.
+    pub fn driven(
+        conditions: &'c Conditions<'c>,
+        start: &[f64],
+        drivers: &[CreaseId],
+        angles: &[f64],
+    ) -> Result<Self, NoDerivative> {
+        let mut start = start.to_vec();
+        let mut residual = f64::NAN;
+        for _ in 0..=MAX_STEPS {
+            let at = Self::at(conditions, &start)?.driven_by(drivers)?;
+            residual = at.residual;
+            let there = drivers.iter().zip(angles);
+            let off: Vec<f64> = there
+                .map(|(driver, angle)| angle - at.angles[driver.index()])
+                .collect();
+            let most = largest(off.iter().map(|by| by.abs()));
+            if most <= DRIVEN_RAD {
+                return Ok(at);
+            }
+            let part = (MAX_DRIVEN_STEP_RAD / most).min(1.0);
+            let step = &at.motions * nalgebra::DVector::from_vec(off) * part;
+            start.clone_from(&at.angles);
+            start
+                .iter_mut()
+                .zip(step.iter())
+                .for_each(|(x, by)| *x += by);
+        }
+        Err(NoDerivative::Open { residual })
+    }
+
+    /// Returns the same derivatives with other drivers.
+    ///
+    /// # Errors
+    /// If these hinges do not determine the others.
+    pub fn driven_by(self, drivers: &[CreaseId]) -> Result<Self, NoDerivative> {
+        let size = self.drivers.len();
+        let wrong = NoDerivative::NotDrivers { size };
+        let rows: Vec<usize> = drivers.iter().map(|driver| driver.index()).collect();
+        if rows.len() != size || rows.iter().any(|&row| row >= self.angles.len()) {
+            return Err(wrong);
+        }
+        let chosen = self.null_space.basis.select_rows(&rows);
+        let is_regular = size == 0 || chosen.singular_values().min() >= REGULAR;
+        let inverse = chosen.try_inverse().filter(|_| is_regular).ok_or(wrong)?;
+        Ok(Self {
+            motions: &self.null_space.basis * inverse,
+            drivers: drivers.to_vec(),
+            ..self
+        })
     }
 
     /// Returns the fold angle of each crease, radians.

@@ -133,8 +133,8 @@ pub enum NoTolerance {
     /// The sheet has too many creases to number their products.
     #[error("the sheet has too many creases")]
     TooLarge,
-    /// The caller cancelled the call.
-    #[error("the call was cancelled")]
+    /// The caller cancelled the call, or its time is up.
+    #[error("time ran out before the play was found")]
     Cancelled,
     /// The motion does not close.
     #[error("at {time:.3} s, {cause}")]

@@ -24,6 +24,7 @@ use crate::folding::{FoldingMap, align_sheets};
 use crate::pattern::{CreasePattern, Digits, Drawing, PatternError, Precision};
 use crate::progress::{Progress, Watch};
 use crate::symmetry::closure_of;
+use crate::util::range::Range;
 use angles::Creases;
 use layout::Layout;
 use overlap::ConvexFaces;
@@ -36,6 +37,11 @@ const MAX_ROUNDING_RATIO: f64 = 1e-9;
 
 /// Largest number of overlapping layouts that are parted into pieces.
 const MAX_PARTED: usize = 16;
+
+/// Largest error of a shape that can be taken for noise.
+pub const MAX_DEFECT_DEG: Range = Range::above("degrees", 0.0).up_to(10.0);
+/// Default of [`UnfoldOptions::max_defect`], degrees.
+pub const DEFAULT_MAX_DEFECT_DEG: f64 = 0.01;
 
 /// Options of unfolding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +74,7 @@ pub enum Cut {
 impl Default for UnfoldOptions {
     fn default() -> Self {
         Self {
-            max_defect: 0.01_f64.to_radians(),
+            max_defect: DEFAULT_MAX_DEFECT_DEG.to_radians(),
             attempts: 64,
             cut: Cut::Auto,
         }

@@ -2,6 +2,7 @@
 
 pub(crate) mod angle;
 pub(crate) mod clock;
+pub(crate) mod hull;
 pub(crate) mod nan_max;
 pub mod progress;
 pub mod range;

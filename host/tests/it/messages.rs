@@ -627,6 +627,10 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
             "the changed pattern does not fold: of its effect on closure, 3.0e-1 radians, 2.0e-1 are left",
         ),
         (
+            NoDerivative::NotDrivers { size: 2 }.to_string(),
+            "the drivers that are given do not determine the other hinges: expected 2 hinges that do",
+        ),
+        (
             NoTolerance::Flat.to_string(),
             "no hinge is folded by 10 degrees at any time",
         ),
@@ -642,7 +646,10 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
             NoTolerance::TooLarge.to_string(),
             "the sheet has too many creases",
         ),
-        (NoTolerance::Cancelled.to_string(), "the call was cancelled"),
+        (
+            NoTolerance::Cancelled.to_string(),
+            "time ran out before the play was found",
+        ),
         (
             NoLoads::NoUnit.to_string(),
             "the file tells no unit of length, and torques need one",
@@ -664,7 +671,23 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
             "the sheet has too many creases",
         ),
         (NoLoads::Still.to_string(), "no hinge turns"),
-        (NoLoads::Cancelled.to_string(), "the call was cancelled"),
+        (
+            NoLoads::Cancelled.to_string(),
+            "time ran out before torques were found",
+        ),
+        (
+            NoLoads::Size {
+                size: 1,
+                freedom: 2,
+                hinges: 9,
+            }
+            .to_string(),
+            "expected 2 to 9 drivers, from the degrees of freedom to all hinges, found 1",
+        ),
+        (
+            NoLoads::NoHinge { edge: EdgeId(3) }.to_string(),
+            "edge 3 is no hinge, and has no spring",
+        ),
         (
             NoLoads::NoMotion {
                 time: 0.0,

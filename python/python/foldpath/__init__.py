@@ -8,6 +8,11 @@
 True
 """
 
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
 from ._batch import batch, plan_line
 from ._error import FoldpathError
 from ._motion import Motion, Verdict, check, load, loads, tolerance
@@ -24,12 +29,14 @@ from ._pattern import (
     yoshimura,
 )
 from ._plan import Plan, plan
+from ._unfold import Unfolding, unfold
 
 __all__ = [
     "FoldpathError",
     "Motion",
     "Pattern",
     "Plan",
+    "Unfolding",
     "Verdict",
     "batch",
     "check",
@@ -45,6 +52,14 @@ __all__ = [
     "resch",
     "square_twist",
     "tolerance",
+    "unfold",
     "waterbomb",
     "yoshimura",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import ``foldpath.jax`` and ``foldpath.torch`` when they are asked for: they need packages that foldpath does not."""
+    if name in ("jax", "torch"):
+        return importlib.import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

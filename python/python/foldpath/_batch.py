@@ -16,6 +16,7 @@ from typing import IO, Any, Union
 from . import _foldpath
 from ._convert import File, to_json
 from ._error import FoldpathError
+from ._pattern import Pattern
 
 #: The command that starts the command line once more.
 PROGRAM = [sys.executable, "-m", "foldpath"]
@@ -41,13 +42,15 @@ def batch(
     jobs: int | None = None,
     shard: str | None = None,
     resume: bool = False,
+    retry_errors: bool = False,
     timeout: float = 60.0,
     stable: bool = False,
 ) -> Iterator[dict[str, Any]]:
     """Plan many designs in processes of their own, as ``foldpath batch`` does, with its options.
 
     ``designs`` is a file of JSON lines, or dictionaries such as ``{"id": "a", "generate": {"family": "miura", "rows": 3,
-    "cols": 3}, "plan": {"bound": 1e-3}}``. Results come in the order of the designs: with ``output`` they are written to
+    "columns": 3}, "plan": {"bound": 1e-3}}``; ``"pattern"`` may be a file, a dictionary in the form of FOLD, or a
+    :class:`Pattern`. Each result carries its design and figures by which designs are ranked. Results come in the order of the designs: with ``output`` they are written to
     that file and the iterator is empty; otherwise the iterator has them, as dictionaries, while the others are planned.
     A design that cannot be read, ends its process or hangs is a result with an ``error``.
 
@@ -63,7 +66,7 @@ def batch(
         arguments.append(f"--jobs={jobs}")
     if shard is not None:
         arguments.append(f"--shard={shard}")
-    arguments += ["--resume"] * resume + ["--stable"] * stable
+    arguments += ["--resume"] * resume + ["--retry-errors"] * retry_errors + ["--stable"] * stable
     results = _run(arguments, None if is_file else designs)  # type: ignore[arg-type]
     if output is None:
         return results
@@ -133,4 +136,7 @@ class _Feeder(threading.Thread):
 def _line(design: Design) -> str:
     if isinstance(design, str):
         return design.strip()
+    pattern = design.get("pattern")
+    if isinstance(pattern, Pattern):
+        design = {**design, "pattern": pattern.to_dict()}
     return to_json(design)

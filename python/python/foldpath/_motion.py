@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import operator
 import os
+from collections.abc import Mapping
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -52,6 +54,29 @@ class Motion:
         return floats(self._path.fold_angles(), self._path.knots, self._path.edge_count)
 
     @property
+    def rates(self) -> Floats:
+        """Angular speeds of the edges at the knots, radians per second: (K, E), nan for edges that are no hinge.
+
+        They are those of :meth:`rates_at`.
+        """
+        return self.rates_at(self.times)
+
+    @property
+    def groups(self) -> Integers:
+        """Crease group of each edge: (E,), -1 for edges that are no hinge.
+
+        Creases of a group have the same angle all along the motion, but for :attr:`signs`.
+        """
+        groups: Integers = np.nan_to_num(floats(self._path.groups(), 2, -1)[0], nan=-1.0).astype(np.int64)
+        return groups
+
+    @property
+    def signs(self) -> Integers:
+        """Sign of each edge in its crease group: (E,), 1 or -1, and 0 for edges that are no hinge."""
+        signs: Integers = np.nan_to_num(floats(self._path.groups(), 2, -1)[1]).astype(np.int64)
+        return signs
+
+    @property
     def pattern(self) -> Pattern:
         """The crease pattern of the sheet."""
         return Pattern._of(_foldpath.Sheet.parse(self._path.file, self._path.text().encode(), "{}"))
@@ -77,6 +102,17 @@ class Motion:
         _check_times(times)
         angles = self._path.at(times.tobytes())
         return floats(angles, *times.shape, self._path.edge_count)
+
+    def rates_at(self, t: ArrayLike) -> Floats:
+        """Return the angular speeds of the edges at a time, (E,), or at times, (T, E), radians per second.
+
+        They are derivatives of the curves that the angles follow. At a knot they are those of the segment after it, and at the
+        last knot those of the segment before; before the start and after the end the sheet rests.
+        """
+        times = contiguous(t, "t")
+        _check_times(times)
+        rates = self._path.rates(times.tobytes())
+        return floats(rates, *times.shape, self._path.edge_count)
 
     def vertices(self, t: ArrayLike) -> Floats:
         """Return the positions of the vertices at a time, (V, 3), or at times, (T, V, 3).
@@ -130,6 +166,7 @@ class Motion:
         period: float | None = None,
         delay: float | None = None,
         brake: float | None = None,
+        unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
     ) -> None:
         """Export the motion, as ``foldpath export`` does.
 
@@ -175,6 +212,8 @@ class Motion:
         - ``period``: With traj or rust: longest time between two measurements of a hinge, seconds
         - ``delay``: With traj or rust: time by which drives follow late, seconds
         - ``brake``: With traj or rust: loss of the speed in a second when the controller brakes, in full speeds
+        - ``unit``: Unit of the lengths of a file that names none. A unit that differs from that of the file is an
+          error. Places, lengths, paths and models have the unit of the file
         """
         given = dict(locals())
         arguments = [f"--output={os.fsdecode(given.pop('file'))}"]
@@ -196,33 +235,36 @@ class Motion:
         """Return rates of fold angles, (E,), and of folded vertices, (V, 3), at a time.
 
         ``vertices`` has the change of each vertex of the flat pattern, (V, 2), and ``drivers`` that of the angle of each of
-        :meth:`drivers`, radians; those left out are zero. The panel in the middle of the sheet keeps its place. Rates are nan
-        for edges that are no hinge. The configuration is the closed one nearest to the motion.
+        :meth:`drivers`, radians, (D,); those left out are zero. Many changes at once, (N, V, 2) and (N, D), have rates (N, E)
+        and (N, V, 3), and cost little more than one. The panel in the middle of the sheet keeps its place. Rates are nan for
+        edges that are no hinge. The configuration is the closed one nearest to the motion.
 
         Raises :class:`FoldpathError` at singular configurations, as flat, and for changes with which the sheet does not fold.
         """
         count = self._path.vertex_count
-        changes = np.zeros((count, 2)) if vertices is None else shaped(vertices, "vertices", (count, 2))
-        driven = np.zeros(len(self.drivers(t))) if drivers is None else contiguous(drivers, "drivers")
-        if driven.shape != (len(self.drivers(t)),):
-            raise FoldpathError(f"drivers: expected {len(self.drivers(t))} numbers, found the shape {driven.shape}")
+        both = (vertices, "vertices", (count, 2)), (drivers, "drivers", (len(self.drivers(t)),))
+        many, (changes, driven) = _stacked(*both)
         angles, places = self._path.jvp(float(t), changes.tobytes(), driven.tobytes())
-        return floats(angles, -1), floats(places, -1, 3)
+        return floats(angles, *many, self._path.edge_count), floats(places, *many, count, 3)
 
     def vjp(
         self, t: float, angles: ArrayLike | None = None, vertices: ArrayLike | None = None
     ) -> tuple[Floats, Floats]:
-        """Return the gradient by the vertices of the flat pattern, (V, 2), and by the drivers' angles, at a time.
+        """Return the gradient by the vertices of the flat pattern, (V, 2), and by the drivers' angles, (D,), at a time.
 
         ``angles`` has the gradient by the fold angle of each edge, (E,), of which those of edges that are no hinge count for
-        nothing, and ``vertices`` that by the folded vertices, (V, 3). The gradient holds for changes with which the pattern
-        still folds. Raises :class:`FoldpathError` at singular configurations.
+        nothing, and ``vertices`` that by the folded vertices, (V, 3); those left out are zero. Many at once, (N, E) and
+        (N, V, 3), have gradients (N, V, 2) and (N, D), and cost little more than one. The gradient holds for changes with
+        which the pattern still folds.
+
+        Raises :class:`FoldpathError` at singular configurations.
         """
         count = self._path.vertex_count
-        by_angles = b"" if angles is None else shaped(angles, "angles", (self._path.edge_count,)).tobytes()
-        by_vertices = b"" if vertices is None else shaped(vertices, "vertices", (count, 3)).tobytes()
-        flat, drivers = self._path.vjp(float(t), by_angles, by_vertices)
-        return floats(flat, -1, 2), floats(drivers, -1)
+        both = (angles, "angles", (self._path.edge_count,)), (vertices, "vertices", (count, 3))
+        many, (by_angles, by_vertices) = _stacked(*both)
+        flat, drivers = self._path.vjp(float(t), by_angles.tobytes(), by_vertices.tobytes())
+        size = len(drivers) // 8 // (many[0] if many else 1)
+        return floats(flat, *many, count, 2), floats(drivers, *many, size)
 
     def _repr_html_(self) -> str:
         page = html.escape(self.page())
@@ -234,6 +276,20 @@ class Motion:
 
     def __repr__(self) -> str:
         return f"<foldpath.Motion {self.title!r}: {self._path.knots} knots, {self.duration:.3f} s>"
+
+
+def _stacked(
+    *given: tuple[ArrayLike | None, str, tuple[int, ...]],
+) -> tuple[tuple[int, ...], list[Floats]]:
+    """Return arrays of these shapes, or of as many of them, with zeros for those left out; and how many, if there are several."""
+    arrays = [None if values is None else contiguous(values, name) for values, name, _ in given]
+    shapes = [array.shape for array, (_, _, shape) in zip(arrays, given) if array is not None and array.ndim > len(shape)]
+    many = shapes[0][:1] if shapes else ()
+    full = [(*many, *shape) for _, _, shape in given]
+    return many, [
+        np.zeros(shape) if array is None else shaped(array, name, shape)
+        for array, (_, name, _), shape in zip(arrays, given, full)
+    ]
 
 
 def _check_times(times: Floats) -> None:
@@ -322,16 +378,17 @@ def tolerance(
     error: float | None = None,
     *,
     play: float | None = None,
+    timeout: float | None = None,
     jobs: int | None = None,
 ) -> dict[str, Any]:
     """Tell how exactly a sheet has to be made: the object of ``foldpath tolerance --json``.
 
     ``error`` is the largest error of each coordinate of each vertex, in the file's unit. With ``play`` in its place, the
-    answer has the error that this play allows.
+    answer has the error that this play allows. ``timeout`` is in seconds: :class:`FoldpathError` is raised when it is over.
     """
     if not isinstance(motion, Motion):
         motion = load(motion)
-    told = motion._path.tolerance(error, play, threads(jobs), is_forked())
+    told = motion._path.tolerance(error, play, timeout, threads(jobs), is_forked())
     answer: dict[str, Any] = json.loads(told)
     return answer
 
@@ -342,24 +399,38 @@ def loads(
     *,
     fixed: int | None = None,
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.80665),
-    spring: float = 0.0,
-    drives: list[tuple[str, float, float]] | None = None,
+    spring: float | Mapping[int, float] | ArrayLike = 0.0,
+    drivers: int | None = None,
+    drives: File | list[tuple[str, float, float]] | None = None,
     unit: Literal["nm", "um", "mm", "cm", "m", "in", "pt"] | None = None,
+    timeout: float | None = None,
     jobs: int | None = None,
 ) -> dict[str, Any]:
     """Tell how strong the drives of a sheet have to be: the object of ``foldpath loads --json``.
 
     ``areal_density`` is in kilograms per square metre, ``gravity`` in metres per second squared in the frame of the drawing
-    with face ``fixed`` in its place, ``spring`` in newton metres per radian. ``drives`` has name, stall torque (newton
-    metres) and speed without load (degrees per second) of each kind of drive. ``unit`` is the unit of lengths, if the file
-    tells none.
+    with face ``fixed`` in its place, ``spring`` in newton metres per radian: of each hinge, or
+    of single ones in a dictionary from edges, or an array with that of each edge, (E,), nan where there is none. ``drivers`` is the number of drivers, at least
+    the degrees of freedom; more share the load with the least sum of squares. ``drives`` has name, stall torque (newton
+    metres) and speed without load (degrees per second) of each kind of drive, or is a file of such lines. ``unit`` is the unit of lengths, if the file
+    tells none. After ``timeout`` seconds the best set of drivers found by then is told; :class:`FoldpathError` is raised if there
+    is none.
     """
     if not isinstance(motion, Motion):
         motion = load(motion)
+    everywhere, single = 0.0, []
+    if isinstance(spring, Mapping):
+        single = [(operator.index(edge), float(stiffness)) for edge, stiffness in spring.items()]
+    elif np.ndim(spring):
+        stiffness = shaped(spring, "spring", (motion._path.edge_count,))
+        single = [(int(edge), float(stiffness[edge])) for edge in np.flatnonzero(~np.isnan(stiffness))]
+    else:
+        everywhere = float(spring)  # type: ignore[arg-type]
     x, y, z = gravity
     weight = (float(x), float(y), float(z))
+    kinds = _foldpath.read_drives(drives) if isinstance(drives, (str, os.PathLike)) else drives or []
     told = motion._path.loads(
-        float(areal_density), fixed, weight, float(spring), drives or [], unit, threads(jobs), is_forked()
+        float(areal_density), fixed, weight, everywhere, single, drivers, kinds, unit, timeout, threads(jobs), is_forked()
     )
     answer: dict[str, Any] = json.loads(told)
     return answer

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
-from ._convert import File, Floats, Integers, contiguous, degrees, floats, integers, options, to_json
+from ._convert import File, Floats, Integers, contiguous, degrees, floats, integers, options, shaped, to_json
 from ._error import FoldpathError
 
 if TYPE_CHECKING:
@@ -166,6 +166,19 @@ class Pattern:
         if any(angle is not None for angle in goal):
             told["edges_foldAngle"] = goal
         return told
+
+    def moved(self, vertices: ArrayLike) -> Pattern:
+        """Return the pattern with its vertices at other places, (V, 2), in their order.
+
+        Raises :class:`FoldpathError` if panels or edges are no longer those of this pattern.
+        """
+        places = shaped(vertices, "vertices", self.vertices.shape)
+        moved = Pattern._of(
+            _foldpath.Sheet.parse(self.file, to_json({**self.to_dict(), "vertices_coords": places}).encode(), "{}")
+        )
+        if moved.vertices.shape != places.shape or not np.array_equal(moved.edges, self.edges):
+            raise FoldpathError("vertices: expected places that keep the panels, found others")
+        return moved
 
     def save(self, file: File) -> None:
         """Write the pattern as a FOLD file. It is written whole or not at all."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _foldpath
 from ._convert import File, degrees, is_forked, options, shaped, threads, to_json
+from ._error import FoldpathError
 from ._motion import Motion
 from ._pattern import READING, Pattern, Source, read
 
@@ -116,14 +117,15 @@ def plan(
     layers: str | None = None,
     dashes: Literal["V", "M", "F", "U"] | None = None,
     jobs: int | None = None,
+    limits: Mapping[int, tuple[float, float]] | NDArray[np.float64] | None = None,
 ) -> Plan:
     """Find a path from the flat sheet to a goal.
 
     Every option is that of ``foldpath plan``, by its name and in its units: degrees and seconds. ``crease`` may be a
     dictionary from edges to degrees, ``limit`` one from edges to ranges of degrees. In place of files, ``goal`` and the
     members of ``via`` may be arrays of the fold angle of each edge in radians, (E,), nan where it is free; ``limit`` may be one
-    of the lower and the upper angle of each edge, (E, 2), nan where there is none. ``tolerance``, ``straighten`` and
-    ``colors`` are for patterns that are yet to be read. ``keep`` changes nothing here: ``motion`` is always the path as
+    of the lower and the upper angle of each edge, (E, 2), nan where there is none. ``limits``
+    is another name of ``limit``. Options of reading, such as ``unit``, are for patterns that are yet to be read. ``keep`` changes nothing here: ``motion`` is always the path as
     far as it goes.
 
     The interpreter's lock is released, and Ctrl-C ends the plan. ``jobs`` threads share the work; by default one for each
@@ -211,7 +213,11 @@ def plan(
       dashes mean nothing: a dashed line has the letter of its colour or layer
     """
     given = dict(locals())
-    pattern, jobs = given.pop("pattern"), given.pop("jobs")
+    pattern, jobs, limits = given.pop("pattern"), given.pop("jobs"), given.pop("limits")
+    if limits is not None:
+        if limit is not None:
+            raise FoldpathError("limit, limits: expected one of them, they are the same")
+        given["limit"] = limits
     reads = not isinstance(pattern, Pattern)
     if not isinstance(pattern, Pattern):
         reading = {name: given.pop(name) for name in READING}

@@ -94,7 +94,10 @@ impl Case {
             let middle = (a + b + c) / 3.0 * metres;
             energy -= load.areal_density * area * load.gravity.dot(&middle);
         }
-        let springs = angles.iter().map(|angle| load.spring * angle * angle / 2.0);
+        let springs = angles.iter().zip(pattern.creases()).map(|(angle, edge)| {
+            let own = load.springs.iter().rev().find(|(of, _)| of == edge);
+            own.map_or(load.spring, |own| own.1) * angle * angle / 2.0
+        });
         energy + springs.sum::<f64>()
     }
 
@@ -122,6 +125,7 @@ fn load(gravity: [f64; 3], spring: f64, fixed: Option<u32>) -> Load {
         fixed: fixed.map(FaceId),
         gravity: gravity.into(),
         spring,
+        springs: Vec::new(),
     }
 }
 
@@ -166,7 +170,11 @@ fn torques_are_slopes_of_the_energy() {
         load([0.0, 0.0, 0.0], 1e-3, None),
     ];
     for case in cases() {
-        for load in &loads {
+        // One hinge has a spring of its own, and one has none, whatever was said of it before.
+        let creases = case.motion.pattern.creases();
+        let mut single = load([0.0, 0.0, -9.81], 1e-4, None);
+        single.springs = vec![(creases[0], 7e-4), (creases[1], 3e-3), (creases[1], 0.0)];
+        for load in loads.iter().chain([&single]) {
             let found = match Loads::least(&case.motion, load, Watch::default()) {
                 Ok(found) => found,
                 Err(no) => panic!("{}: {no}", case.name),
@@ -261,6 +269,65 @@ fn no_other_set_of_drivers_has_a_smaller_peak() {
     }
 }
 
+/// Drivers beyond the degrees of freedom share the load: together they do the work of the energy, with the least sum of squares.
+#[test]
+fn more_drivers_share_the_load() {
+    for (rows, columns) in [(2, 2), (3, 3)] {
+        let case = Case::new("miura", miura(rows, columns, 60.0));
+        let load = load([1.0, 0.0, -9.81], 1e-5, Some(0));
+        let vertices = case.motion.pattern.vertices();
+        let hinges = case.motion.pattern.creases().len();
+        let mut before = f64::INFINITY;
+        for size in 1..=3 {
+            let found = Loads::least_of(&case.motion, &load, Some(size), Watch::default()).unwrap();
+            assert_eq!(found.drivers.len(), size);
+            assert!(found.is_least && found.regularity >= REGULAR);
+            let peak = found.peak.torque.abs();
+            assert!(peak < before, "{size}: {peak} {before}");
+            before = peak;
+            let drivers: Vec<usize> = found.drivers.iter().map(|id| id.index()).collect();
+            for k in (0..found.times.len()).step_by(5) {
+                let start = case.motion.at_times([found.times[k]]).crease_angles(0);
+                let angles = case.linkage.closed(vertices, &start, &[]);
+                let motion = case.linkage.motions(vertices, &angles);
+                let rates: Vec<f64> = drivers.iter().map(|&driver| motion[(driver, 0)]).collect();
+                let work: f64 = rates
+                    .iter()
+                    .zip(&found.torques[k])
+                    .map(|(a, b)| a * b)
+                    .sum();
+                let slope = case.torque(found.times[k], &drivers[..1], 0, &load) * rates[0];
+                assert!((work - slope).abs() <= EQUAL * peak, "{work:e} {slope:e}");
+                // With one degree of freedom the least torques are in proportion to the rates.
+                for (rate, torque) in rates.iter().zip(&found.torques[k]) {
+                    let expected = slope * rate / rates.iter().map(|it| it * it).sum::<f64>();
+                    assert!(
+                        (torque - expected).abs() <= EQUAL * peak,
+                        "{torque:e} {expected:e}"
+                    );
+                }
+            }
+            // No other set of two does with less.
+            if size == 2 {
+                for a in 0..hinges {
+                    for b in 0..a {
+                        let ids = [b, a].map(CreaseId::new);
+                        let other = Loads::of(&case.motion, &load, &ids).unwrap();
+                        assert!(other.peak.torque.abs() >= peak * (1.0 - 1e-6));
+                    }
+                }
+            }
+        }
+        let none = Loads::least_of(&case.motion, &load, Some(0), Watch::default());
+        let size = NoLoads::Size {
+            size: 0,
+            freedom: 1,
+            hinges,
+        };
+        assert_eq!(none.err(), Some(size));
+    }
+}
+
 #[test]
 fn a_drive_stalls_where_its_torque_at_that_speed_does_not_do() {
     let case = Case::new("miura 3x3", miura(3, 3, 60.0));
@@ -307,8 +374,8 @@ fn loads_that_have_no_answer_say_why() {
     cancelled.cancel();
     let none = Loads::least(&case.motion, &weight, Watch::new(&cancelled));
     assert_eq!(none.err(), Some(NoLoads::Cancelled));
-    let two = Loads::of(&case.motion, &weight, &[CreaseId(0), CreaseId(1)]);
-    assert_eq!(two.err(), Some(NoLoads::NoDrivers { size: 1 }));
+    let none = Loads::of(&case.motion, &weight, &[]);
+    assert_eq!(none.err(), Some(NoLoads::NoDrivers { size: 1 }));
     case.motion.pattern = Arc::new(miura(3, 3, 60.0));
     assert_eq!(
         Loads::least(&case.motion, &weight, Watch::default()).err(),

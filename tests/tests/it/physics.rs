@@ -180,6 +180,7 @@ fn torques_of_drives_are_those_of_mujoco() {
             fixed: None,
             gravity: gravity.into(),
             spring: 0.0,
+            springs: Vec::new(),
         };
         let drivers = model
             .actuators

@@ -13,8 +13,8 @@ use crate::standard::{Input, is_standard};
 use crate::values::Shard;
 use foldpath::request::{PlanRequest, Request};
 
-/// Longest line that is read, bytes.
-const MAX_LINE_BYTES: u64 = 1 << 20;
+/// Longest line that is read, bytes. A pattern that stands in it has some 100 bytes an edge.
+const MAX_LINE_BYTES: u64 = 1 << 26;
 
 /// A line that some worker has to plan.
 pub(super) struct Task {
@@ -24,6 +24,8 @@ pub(super) struct Task {
     pub(super) id: String,
     /// The line, or the reason why it is no design.
     pub(super) line: Result<String, String>,
+    /// The design as it was given, if the line has one.
+    pub(super) design: Option<Map<String, Value>>,
     /// Time that the design may take, seconds, if the line names one.
     pub(super) timeout: Option<f64>,
 }
@@ -102,6 +104,7 @@ impl<R: BufRead> Designs<R> {
                 continue;
             }
             let number = self.number;
+            let design = line.as_deref().map_or(None, given);
             let head = line.as_ref().map_err(Clone::clone).and_then(|line| {
                 let head = serde_json::from_str::<Head>(line);
                 head.map_err(|error| in_line(&error))
@@ -147,6 +150,7 @@ impl<R: BufRead> Designs<R> {
                 place: self.place - 1,
                 id,
                 line,
+                design,
                 timeout,
             }));
         }
@@ -201,7 +205,7 @@ fn is_device(path: &Path) -> bool {
 #[serde(deny_unknown_fields)]
 pub(super) struct Design {
     pub(super) id: String,
-    pattern: Option<PathBuf>,
+    pattern: Option<Value>,
     generate: Option<Map<String, Value>>,
     #[serde(default)]
     plan: Option<Map<String, Value>>,
@@ -228,7 +232,15 @@ impl Design {
     pub(super) fn job(&self, timeout: f64) -> Result<(Input, Job), CliError> {
         let usage = |text: String| CliError::Usage(text);
         let input = match (&self.pattern, &self.generate) {
-            (Some(pattern), None) => Input::of_file(pattern),
+            (Some(Value::String(file)), None) => Input::of_file(Path::new(file)),
+            (Some(pattern @ Value::Object(_)), None) => {
+                let name = format!("pattern of {}", self.id);
+                Input::of_stream(&name, pattern.to_string().as_bytes())?
+            }
+            (Some(_), None) => {
+                let text = "pattern: expected the name of a file, or an object in the form of FOLD";
+                return Err(usage(text.into()));
+            }
             (None, Some(family)) => Input::of_family(family)?,
             _ => return Err(usage("expected either pattern or generate".into())),
         };
@@ -274,6 +286,13 @@ impl Design {
         request.check.timeout.get_or_insert(timeout);
         Ok(request)
     }
+}
+
+/// Returns the design of a line as it was given, without its id; `None` if the line is no object.
+pub(super) fn given(line: &str) -> Option<Map<String, Value>> {
+    let mut design: Map<String, Value> = serde_json::from_str(line).ok()?;
+    design.remove("id");
+    Some(design)
 }
 
 /// Returns the name in a line that is no design otherwise.

@@ -43,10 +43,14 @@ pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
         );
         return Err(CliError::Usage(text));
     }
-    if args.resume && is_standard(&args.output) {
-        return Err(CliError::Usage(
-            "--resume: expected -o to name a file, found -".into(),
-        ));
+    let resume = args.resume || args.retry_errors;
+    if resume && is_standard(&args.output) {
+        let option = match args.resume {
+            true => "--resume",
+            false => "--retry-errors",
+        };
+        let text = format!("{option}: expected -o to name a file, found -");
+        return Err(CliError::Usage(text));
     }
     check_output("-o", &args.output, [&args.designs])?;
     let bar = bar(args, quiet)?;
@@ -57,7 +61,7 @@ pub(crate) fn run(args: &Batch, quiet: bool, program: &[OsString]) -> Answer {
     if begin.starts_with(mark) {
         designs.consume(mark.len());
     }
-    let mut results = Results::open(&args.output, args.resume)?;
+    let mut results = Results::open(&args.output, resume, args.retry_errors)?;
     let skipped = results.known();
     let taken = [args.designs.as_path(), args.output.as_path()];
     let designs = Designs::new(designs, args.shard, results.take_ids(), taken);

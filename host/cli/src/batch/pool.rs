@@ -147,7 +147,16 @@ fn work<R: BufRead>(
 fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits<'_>) -> Message {
     let line = match &task.line {
         Ok(line) => line,
-        Err(error) => return Ok((task.place, failed(&task.id, ErrorFields::of_message(error)))),
+        Err(error) => {
+            return Ok((
+                task.place,
+                failed(
+                    &task.id,
+                    task.design.as_ref(),
+                    ErrorFields::of_message(error),
+                ),
+            ));
+        }
     };
     let running = match worker {
         Some(worker) => worker,
@@ -162,7 +171,11 @@ fn result(worker: &mut Option<Worker>, task: &Task, limits: &Limits<'_>) -> Mess
         .ask(&task.id, line, patience.ok())
         .unwrap_or_else(|failure| {
             *worker = None;
-            failed(&task.id, ErrorFields::of_message(&failure))
+            failed(
+                &task.id,
+                task.design.as_ref(),
+                ErrorFields::of_message(&failure),
+            )
         });
     Ok((task.place, result))
 }

@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::CliError;
+use crate::output::write_whole_with;
 use crate::standard::is_standard;
 use foldpath::read::FileError;
 
@@ -25,15 +27,16 @@ pub(super) struct Results {
 pub(super) struct Head {
     pub(super) id: String,
     outcome: Option<String>,
+    error: Option<IgnoredAny>,
 }
 
 impl Results {
     /// Creates the file, or with `resume` opens it and reads which designs have results. Bytes after the last whole
-    /// line, which a run that was killed has left, are cut off.
+    /// line, which a run that was killed has left, are cut off. With `retry_errors`, results that are errors are removed.
     ///
     /// # Errors
     /// If the system reports one, or a line is no result.
-    pub(super) fn open(path: &Path, resume: bool) -> Result<Self, CliError> {
+    pub(super) fn open(path: &Path, resume: bool, retry_errors: bool) -> Result<Self, CliError> {
         let mut this = Self {
             path: path.to_path_buf(),
             file: None,
@@ -50,20 +53,25 @@ impl Results {
             .append(resume)
             .write(true)
             .truncate(!resume);
-        let file = options.open(path).map_err(FileError::io(path))?;
+        let mut file = options.open(path).map_err(FileError::io(path))?;
         if resume {
-            let whole = this.read(&file)?;
+            let (whole, errors) = this.read(&file, retry_errors)?;
             file.set_len(whole).map_err(FileError::io(path))?;
+            if !errors.is_empty() {
+                write_whole_with(path, |out| copy_without(&file, &errors, out))?;
+                file = options.open(path).map_err(FileError::io(path))?;
+            }
         }
         this.known = this.ids.len();
         this.file = Some(file);
         Ok(this)
     }
 
-    /// Reads the names of the results. Returns the number of bytes in whole lines.
-    fn read(&mut self, file: &File) -> Result<u64, CliError> {
+    /// Reads the names of the results. Returns the number of bytes in whole lines, and with `retry_errors` the numbers of the
+    /// lines that are errors, from 1, whose names are left out.
+    fn read(&mut self, file: &File, retry_errors: bool) -> Result<(u64, HashSet<usize>), CliError> {
         let mut lines = BufReader::new(file);
-        let (mut whole, mut bytes) = (0, Vec::new());
+        let (mut whole, mut bytes, mut errors) = (0, Vec::new(), HashSet::new());
         for number in 1.. {
             bytes.clear();
             let read = lines
@@ -81,10 +89,14 @@ impl Results {
                     String::from_utf8_lossy(&bytes[..bytes.len().min(40)]).trim()
                 ),
             })?;
-            self.ids.insert(head.id);
+            if retry_errors && head.error.is_some() {
+                errors.insert(number);
+            } else {
+                self.ids.insert(head.id);
+            }
             whole += read as u64;
         }
-        Ok(whole)
+        Ok((whole, errors))
     }
 
     /// Takes the names of the results that were there.
@@ -115,6 +127,20 @@ impl Results {
                 .map_err(FileError::io(&self.path))?),
         }
     }
+}
+
+/// Copies a file but for the lines of these numbers, from 1.
+fn copy_without(file: &File, left_out: &HashSet<usize>, out: &mut dyn Write) -> io::Result<()> {
+    let mut file = file;
+    file.rewind()?;
+    for (number, line) in (1..).zip(BufReader::new(file).split(b'\n')) {
+        let line = line?;
+        if !left_out.contains(&number) {
+            out.write_all(&line)?;
+            out.write_all(b"\n")?;
+        }
+    }
+    Ok(())
 }
 
 /// Number of results by outcome.

@@ -6,20 +6,32 @@ use std::panic::{catch_unwind, set_hook};
 use std::time::Instant;
 
 use serde::Serialize;
+use serde_json::{Map, Value};
 
-use super::design::Design;
+use super::design::{Design, given, id_of};
 use crate::CliError;
 use crate::report::{ErrorFields, ErrorJson, panic_text};
 use foldpath::planner::Outcome;
 use foldpath::progress::Progress;
-use foldpath::request::{InputJson, PlanRequest};
+use foldpath::request::{FiguresJson, InputJson, PlanJson, PlanRequest};
 
 /// A result.
 #[derive(Serialize)]
 struct Record<'a, T> {
     id: &'a str,
+    /// The design as it was given, without its id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    design: Option<&'a Map<String, Value>>,
     #[serde(flatten)]
     answer: T,
+}
+
+/// A plan, and the figures of its motion, if one was found.
+#[derive(Serialize)]
+struct Ranked<'a> {
+    #[serde(flatten)]
+    plan: PlanJson<'a>,
+    figures: Option<FiguresJson>,
 }
 
 /// Result of a design whose time was up, if nothing may depend on the clock.
@@ -50,23 +62,26 @@ pub(super) fn run(timeout: f64, stable: bool) {
 /// (seconds) holds for a design that names none. With `stable`, what depends on the clock is left out.
 #[must_use]
 pub fn record(line: &str, timeout: f64, stable: bool, progress: &Progress) -> String {
+    let given = given(line);
+    let given = given.as_ref();
     let design = match Design::parse(line) {
         Ok(design) => design,
-        Err(error) => {
-            let id = super::design::id_of(line);
-            return failed(&id, ErrorFields::of(&error));
-        }
+        Err(error) => return failed(&id_of(line), given, ErrorFields::of(&error)),
     };
-    let work = AssertUnwindSafe(|| answered(&design, timeout, stable, progress));
+    let work = AssertUnwindSafe(|| answered(&design, given, timeout, stable, progress));
     match catch_unwind(work) {
         Ok(Ok(result)) => result,
-        Ok(Err(error)) => failed(&design.id, ErrorFields::of(&error)),
-        Err(panic) => failed(&design.id, ErrorFields::of_message(&panic_text(&*panic))),
+        Ok(Err(error)) => failed(&design.id, given, ErrorFields::of(&error)),
+        Err(panic) => {
+            let text = panic_text(&*panic);
+            failed(&design.id, given, ErrorFields::of_message(&text))
+        }
     }
 }
 
 fn answered(
     design: &Design,
+    given: Option<&Map<String, Value>>,
     timeout: f64,
     stable: bool,
     progress: &Progress,
@@ -89,16 +104,25 @@ fn answered(
             options: &job.request,
             outcome: Outcome::Timeout.name(),
         };
-        return Ok(text(&design.id, &bare));
+        return Ok(text(&design.id, given, &bare));
     }
-    Ok(text(&design.id, &answer))
+    let motion = done.planned.plan.motion.as_ref();
+    let ranked = Ranked {
+        plan: answer,
+        figures: motion.map(FiguresJson::of),
+    };
+    Ok(text(&design.id, given, &ranked))
 }
 
 /// Returns the result of a design that could not be planned, in one line.
-pub(super) fn failed(id: &str, error: ErrorFields<'_>) -> String {
-    text(id, &ErrorJson { error })
+pub(super) fn failed(
+    id: &str,
+    design: Option<&Map<String, Value>>,
+    error: ErrorFields<'_>,
+) -> String {
+    text(id, design, &ErrorJson { error })
 }
 
-fn text(id: &str, answer: &impl Serialize) -> String {
-    serde_json::to_string(&Record { id, answer }).unwrap_or_default()
+fn text(id: &str, design: Option<&Map<String, Value>>, answer: &impl Serialize) -> String {
+    serde_json::to_string(&Record { id, design, answer }).unwrap_or_default()
 }

@@ -46,7 +46,7 @@ fn info_shape() -> Value {
             "message": "text",
         }],
         "locked_creases": ["count"], "flat_dof": "count|null", "goal_dof": "count|null",
-        "drivers": ["count"],
+        "drivers": ["count"], "skew_bound": "number|null",
     })
 }
 
@@ -157,7 +157,7 @@ fn every_answer_has_the_keys_of_the_contract() {
             json!(true),
         ),
         (
-            "loads path.fold --areal-density 0.8 --unit mm --spring 1e-3 --drives weak.csv",
+            "loads path.fold --areal-density 0.8 --unit mm --spring 1e-3 --spring 2=0.01 --timeout 60 --drives weak.csv",
             1,
             loads_shape(),
             "is_least",

@@ -59,7 +59,7 @@ fn without_times(mut result: Value) -> Value {
         .is_some_and(|outcome| outcome == "timeout")
     {
         fields.retain(|key, _| {
-            ["id", "version", "input", "options", "outcome"].contains(&key.as_str())
+            ["id", "design", "version", "input", "options", "outcome"].contains(&key.as_str())
         });
     }
     result
@@ -79,9 +79,39 @@ fn a_result_is_the_answer_of_plan_with_an_id() {
         said.starts_with("2 designs, written to results.jsonl\n          2 planned\n"),
         "{said}"
     );
-    let found = results(&folder, "results.jsonl");
+    let mut found = results(&folder, "results.jsonl");
     let text = folder.read("results.jsonl");
-    assert!(text.starts_with("{\"id\":\"file\",\"version\":"), "{text}");
+    assert!(text.starts_with("{\"id\":\"file\",\"design\":{"), "{text}");
+    // Each carries its design, with which it is planned again.
+    for (result, line) in found.iter_mut().zip(&lines) {
+        let result = result.as_object_mut().unwrap();
+        let mut design = result.remove("design").unwrap();
+        design["id"] = line["id"].clone();
+        assert_eq!(design, *line);
+        let figures = result.remove("figures").unwrap();
+        let sides =
+            |key: &str| -> Vec<f64> { serde_json::from_value(figures[key].clone()).unwrap() };
+        let (flat, folded) = (sides("flat_box"), sides("folded_box"));
+        // A Miura of 3 x 4 unit panels with a sector of 70 degrees, whose zigzag creases turn by 162 degrees.
+        let (t, g) = (81_f64.to_radians(), 70_f64.to_radians());
+        let height = t.sin() * g.sin();
+        let slope = t.cos() * g.tan();
+        let offset = 1.0 / (1.0 + slope * slope).sqrt();
+        let mut expected = [
+            4.0 * (1.0 - height * height).sqrt() + offset,
+            3.0 * slope * offset,
+            height,
+        ];
+        expected.sort_by(|a, b| b.total_cmp(a));
+        for (side, expected) in folded.iter().zip(expected) {
+            assert!((side - expected).abs() < 1e-6, "{folded:?} {expected}");
+        }
+        assert!((flat[0] - (4.0 + g.cos())).abs() < 1e-9, "{flat:?}");
+        assert!((flat[1] - 3.0 * g.sin()).abs() < 1e-9, "{flat:?}");
+        let ratio = flat[0] * flat[1] / (folded[0] * folded[1]);
+        assert!((figures["packing_ratio"].as_f64().unwrap() - ratio).abs() < 1e-9);
+        assert!((figures["largest_angle"].as_f64().unwrap() - 162.0).abs() < 1e-6);
+    }
     let mut expected = folder
         .done("plan miura.fold --max-accel 90.5 --limit 4=-180..180 --timeout 60 --json")
         .json();
@@ -94,6 +124,86 @@ fn a_result_is_the_answer_of_plan_with_an_id() {
     assert_eq!(without_times(found[1].clone()), without_times(expected));
     folder.done("plan miura.fold --max-accel 90.5 --limit 4=-180..180 -o expected.fold");
     assert_eq!(folder.read("path.fold"), folder.read("expected.fold"));
+}
+
+/// A pattern may stand in its line, and the answer is that of its file.
+#[test]
+fn patterns_stand_in_their_lines() {
+    let folder = folder();
+    folder.done("generate miura --rows 3 --cols 4 -o miura.fold");
+    let mut broken = folder.read_json("miura.fold");
+    broken["edges_vertices"][0] = json!([0, 99]);
+    let lines = [
+        json!({"id": "in line", "pattern": folder.read_json("miura.fold")}),
+        json!({"id": "file", "pattern": "miura.fold"}),
+        json!({"id": "broken", "pattern": broken}),
+        json!({"id": "number", "pattern": 3}),
+    ];
+    let text: Vec<String> = lines.iter().map(Value::to_string).collect();
+    folder.write("designs.jsonl", &text.join("\n"));
+    folder.done("batch designs.jsonl -o results.jsonl");
+    let mut found = results(&folder, "results.jsonl");
+    for (result, line) in found.iter().zip(&lines) {
+        assert_eq!(result["design"]["pattern"], line["pattern"]);
+    }
+    assert_eq!(found[0]["input"]["file"], "pattern of in line");
+    let mut of_file = without_times(found[1].take());
+    for key in ["id", "design", "input"] {
+        of_file[key] = found[0][key].clone();
+    }
+    assert_eq!(without_times(found[0].take()), of_file);
+    let error = found[2]["error"]["message"].as_str().unwrap();
+    assert!(error.contains("edges_vertices[0]"), "{error}");
+    let error = found[3]["error"]["message"].as_str().unwrap();
+    assert!(
+        error.starts_with("pattern: expected the name of a file"),
+        "{error}"
+    );
+}
+
+/// Designs whose result is an error are planned again, and the results of all others stay.
+#[test]
+fn errors_are_retried() {
+    let folder = folder();
+    folder.done("generate miura --rows 2 --cols 3 -o miura.fold");
+    let lines = ["a", "b", "c"].map(|id| json!({"id": id, "pattern": format!("{id}.fold")}));
+    let text: Vec<String> = lines.iter().map(Value::to_string).collect();
+    folder.write("designs.jsonl", &text.join("\n"));
+    let miura = folder.read("miura.fold");
+    folder.write("b.fold", &miura);
+    folder.done("batch designs.jsonl -o results.jsonl --stable");
+    let of_b = folder
+        .read("results.jsonl")
+        .lines()
+        .nth(1)
+        .unwrap()
+        .to_string();
+    folder.write("c.fold", &miura);
+    // Without the option errors are results.
+    let said = folder.done("batch designs.jsonl -o results.jsonl --stable --resume");
+    assert!(said.stdout.starts_with("0 designs"), "{}", said.stdout);
+    for option in ["--retry-errors", "--resume --retry-errors"] {
+        let said = folder.done(&format!(
+            "batch designs.jsonl -o results.jsonl --stable {option}"
+        ));
+        let left = if option.starts_with("--retry") { 2 } else { 1 };
+        let told = format!("{left} designs, written to results.jsonl");
+        assert!(said.stdout.starts_with(&told), "{}", said.stdout);
+    }
+    let found = results(&folder, "results.jsonl");
+    let ids: Vec<&str> = found
+        .iter()
+        .map(|result| result["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(ids, ["b", "c", "a"]);
+    assert_eq!(folder.read("results.jsonl").lines().next().unwrap(), of_b);
+    assert_eq!(found[1]["outcome"], "planned");
+    assert!(
+        found[2]["error"]["message"]
+            .as_str()
+            .unwrap()
+            .contains("a.fold")
+    );
 }
 
 /// No design writes over what another reads or writes, and a run that cannot begin leaves the results that are there.
@@ -333,7 +443,7 @@ fn every_line_has_a_result_whatever_is_in_it() {
         .flat_map(|(line, ..)| [line.as_bytes(), b"\n"].concat())
         .collect();
     text.extend(b"\xff\xfe\n");
-    text.extend(vec![b'x'; (1 << 21) + 3]);
+    text.extend(vec![b'x'; (1 << 27) + 3]);
     text.extend(format!("\n{good}\r\n").as_bytes());
     fs::write(folder.path("designs.jsonl"), text).unwrap();
     folder.done("batch designs.jsonl -o results.jsonl");
@@ -354,7 +464,7 @@ fn every_line_has_a_result_whatever_is_in_it() {
         found[bad.len() + 1]["error"]["message"]
             .as_str()
             .unwrap()
-            .contains("1 MiB")
+            .contains("64 MiB")
     );
     assert_eq!(found[bad.len() + 2]["outcome"], "planned");
     // An error has the place in its file, as that of `plan`.

@@ -1,7 +1,9 @@
 //! Tests the results of the commands, and how runs end.
 
+use core::time::Duration;
 use std::fs::{self, File};
 use std::process::Command;
+use std::time::Instant;
 
 use crate::common::{PATTERNS, folder, folder_with_path};
 use serde_json::{Value, json};
@@ -305,4 +307,50 @@ fn links_and_pipes_are_written_to_not_replaced() {
     let _reader = File::options().read(true).write(true).open(&pipe).unwrap();
     folder.done("generate miura --rows 3 --cols 3 -o pipe.fold");
     assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+}
+
+/// Boards of a sheet that moves at half the speed may be twice as far apart in time, and those of a sheet of which no motion is
+/// known less far.
+#[test]
+fn the_skew_is_that_of_the_motion() {
+    let folder = folder();
+    folder.done("generate miura --rows 4 --cols 4 -o miura.fold");
+    folder.done("plan miura.fold --max-speed 45 -o path.fold");
+    folder.done("plan miura.fold --max-speed 22.5 -o slow.fold");
+    let [pattern, path, slow] = ["miura", "path", "slow"].map(|name| {
+        let told = folder.done(&format!("info {name}.fold --json")).json();
+        told["skew_bound"].as_f64().unwrap()
+    });
+    assert!(pattern < path && path < 2.0 * pattern, "{pattern} {path}");
+    assert!((slow / path - 2.0).abs() < 1e-3, "{slow} {path}");
+    // The bound of four hinges at 45 degrees a second, in any sheet.
+    let amplification = folder.done("info miura.fold --json").json()["amplification"].as_f64();
+    let expected = 0.01 / (amplification.unwrap() * 2.0 * 45_f64.to_radians());
+    assert!((pattern - expected).abs() < 1e-12, "{pattern} {expected}");
+    let said = folder.done("info path.fold").stdout;
+    assert!(said.contains("s apart along this path"), "{said}");
+}
+
+/// A timeout that leaves no answer is a no, with its reason.
+#[test]
+fn loads_and_tolerance_end_at_their_timeout() {
+    let folder = folder();
+    folder.done("generate waterbomb --rows 8 --cols 10 -o waterbomb.fold");
+    folder.done("plan waterbomb.fold -o path.fold");
+    for (command, what) in [
+        (
+            "loads path.fold --areal-density 1 --unit mm",
+            "torques were",
+        ),
+        ("tolerance path.fold --error 0.001", "the play was"),
+    ] {
+        let start = Instant::now();
+        let answer = folder.run(&format!("{command} --timeout 0.01 --json"));
+        assert!(start.elapsed() < Duration::from_millis(1500), "{command}");
+        let text = format!("path.fold: time ran out before {what} found");
+        assert_eq!(
+            answer.with_status(1).json()["error"]["message"],
+            text.as_str()
+        );
+    }
 }

@@ -137,6 +137,10 @@ fn usage() {
         loads path.fold --areal-density 1 --unit mm --fixed 99
         loads path.fold --areal-density 1 --unit mm --fixed=-1
         loads path.fold --areal-density 1 --unit mm --spring stiff
+        loads path.fold --areal-density 1 --unit mm --spring x=1
+        loads path.fold --areal-density 1 --unit mm --spring 0=1
+        loads path.fold --areal-density 1 --unit mm --timeout -1
+        loads path.fold --areal-density 1 --unit mm --drivers 0
         loads path.fold --areal-density 1 --unit mm --tolerance 0.1
         loads path.fold --areal-density 1 --unit mm --drives nowhere.csv
         loads path.fold --areal-density 1 --unit mm --drives drives.csv
@@ -164,6 +168,7 @@ fn usage() {
         batch designs.jsonl -o results.jsonl --jobs 0
         batch designs.jsonl -o results.jsonl --timeout 0
         batch designs.jsonl -o - --resume
+        batch designs.jsonl -o - --retry-errors
         export path.fold --to dwg -o a.dwg
         stream path.traj --to sim --log path.traj
         stream path.traj --to sim --sheet path.fold --log path.fold

@@ -14,7 +14,7 @@ use std::path::Path;
 use foldpath::export::{FORMATS, Place};
 use foldpath::request::{
     CheckRequest, ExportRequest, FAMILIES, Kind, OptionInfo, PlanRequest, ReadingRequest, Request,
-    paragraphs,
+    UnfoldRequest, paragraphs,
 };
 use serde_json::{Map, Value, json};
 
@@ -223,16 +223,28 @@ mod python {
     }
 
     #[test]
+    fn unfold_has_every_option() {
+        compare("python/python/foldpath/_unfold.py", |found| {
+            let signature = parameters(UnfoldRequest::infos().iter().map(of_default));
+            let anchors = ["    shape: Source,\n    *,\n", ") -> Unfolding:"];
+            let found = replaced(found, anchors, &signature);
+            let options = described(UnfoldRequest::infos().into_iter(), "    ");
+            replaced(&found, ["    The options:\n\n", "    \"\"\"\n"], &options)
+        });
+    }
+
+    #[test]
     fn check_and_export_have_every_option() {
         compare("python/python/foldpath/_motion.py", |found| {
             let formats: Vec<(&str, &str)> =
                 FORMATS.iter().map(|format| (format.name, "")).collect();
             let found = replaced(found, ["\nFormat = ", "\n"], &names(&formats));
-            let signature = parameters(
-                ExportRequest::infos()
-                    .iter()
-                    .map(|info| parameter(info, "None")),
-            );
+            let unit = |info: &OptionInfo| info.name == "unit";
+            let infos = || {
+                let reading = ReadingRequest::infos().into_iter().filter(unit);
+                ExportRequest::infos().into_iter().chain(reading)
+            };
+            let signature = parameters(infos().map(|info| parameter(&info, "None")));
             let signature = signature.replace("    ", "        ");
             let found = replaced(
                 &found,
@@ -252,7 +264,7 @@ mod python {
                     format.name, format.text
                 );
             }
-            let options = described(ExportRequest::infos().into_iter(), "        ");
+            let options = described(infos(), "        ");
             let told = format!("{told}\n        The options:\n\n{options}");
             let found = replaced(
                 &found,
@@ -456,6 +468,7 @@ fn the_documents_list_options_families_and_formats() {
         ReadingRequest::infos(),
     );
     table("`check`", CheckRequest::infos());
+    table("`unfold`", UnfoldRequest::infos());
     for family in FAMILIES {
         table(
             &format!(

@@ -3,9 +3,13 @@
 use std::fs;
 
 use crate::common::{PATTERNS, folder_with_path};
+use foldpath::Vector3;
 use foldpath::check::measure;
+use foldpath::pattern::Unit;
 use foldpath::plot::{Curves, Point, svg};
+use foldpath::progress::Watch;
 use foldpath::read::fold::read_motion;
+use foldpath::sensitivity::{Load, Loads};
 use foldpath_test_support::{Folder, edited};
 use usvg::roxmltree::Document;
 
@@ -203,4 +207,49 @@ fn what_cannot_be_drawn_is_refused() {
         assert!(answer.tells(expected), "{}", answer.stderr);
     }
     assert_eq!(folder.names(), before);
+}
+
+/// The torques that are drawn are those that `loads` tells.
+#[test]
+fn torques_are_those_of_loads() {
+    let folder = folder_with_path();
+    let load = "--areal-density 0.8 --unit mm --gravity 0,-9.81,0 --spring 0.001";
+    folder.done(&format!("plot path.fold {load} -o torques.svg"));
+    folder.done("plot path.fold -o plots.svg");
+    let [more, usual] = ["torques.svg", "plots.svg"].map(|name| folder.read(name));
+    let told = folder
+        .done(&format!("loads path.fold {load} --json"))
+        .json();
+    let mut motion = read_motion(&folder.path("path.fold")).unwrap();
+    motion.measured_in(Unit::Millimetre);
+    let load = Load {
+        areal_density: 0.8,
+        fixed: None,
+        gravity: Vector3::new(0.0, -9.81, 0.0),
+        spring: 0.001,
+        springs: Vec::new(),
+    };
+    let loads = Loads::least(&motion, &load, Watch::default()).unwrap();
+    let curves = Curves::of_path(&motion).with_torques(&motion, &loads);
+    assert_eq!(curves.torques.len(), 1);
+    let (driver, points) = &curves.torques[0];
+    assert_eq!(told["drivers"][0], driver.index());
+    for (k, (time, torque)) in points.iter().enumerate() {
+        assert_eq!(told["times"][k], *time);
+        assert_eq!(told["torques"][k][0], *torque);
+    }
+    assert_eq!(svg(&curves), more);
+    let peak = told["peak"]["torque"].as_f64().unwrap().abs();
+    assert!(more.contains(&format!(
+        "torques of the drivers, 1 of them: {peak:.3e} Nm at most"
+    )));
+    assert!(more.contains(&format!("hinge {driver}")) && !usual.contains("torque"));
+    let refused = folder
+        .run("plot path.fold --spring 0.1 -o plots.svg")
+        .with_status(2);
+    assert!(
+        refused.stderr.contains("--areal-density"),
+        "{}",
+        refused.stderr
+    );
 }

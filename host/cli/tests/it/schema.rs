@@ -235,6 +235,7 @@ fn every_answer_fits_its_schema() {
         json!({"id": "c", "pattern": "nowhere.fold", "plan": null}),
         json!({"id": "d", "generate": {"family": "square-twist", "letters": "unfoldable"}}),
         json!({"id": "e", "pattern": "miura.fold", "plan": {"timeout": 0}}),
+        json!({"id": "g", "pattern": folder.read_json("miura.fold")}),
         json!({"id": "f", "generate": {"family": "miura", "rows": 3, "columns": 3}, "plan": {"goal-tolerance": "2", "crease": "4=-45"}}),
     ];
     let mut lines = String::new();

@@ -184,3 +184,21 @@ fn exports_speak_the_unit() {
         assert!((sizes[0] - sizes[1]).abs() < 1e-4, "{sizes:?}");
     }
 }
+
+/// A shape that names no unit gets the one that the command names, and keeps its own.
+#[test]
+fn a_shape_is_unfolded_in_its_unit() {
+    let folder = folder();
+    let tent = "v 0 0 0\nv 2 0 0\nv 2 1 1\nv 0 1 1\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 5 6\n";
+    folder.write("tent.obj", tent);
+    folder.done("unfold tent.obj -o net.fold");
+    assert_eq!(folder.read_json("net.fold").get("frame_unit"), None);
+    folder.done("unfold tent.obj --unit mm -o net.fold");
+    assert_eq!(folder.read_json("net.fold")["frame_unit"], "mm");
+    folder.done("plan net.fold -o path.fold");
+    folder.done("unfold path.fold -o again.fold");
+    assert_eq!(folder.read_json("again.fold")["frame_unit"], "mm");
+    let refused = folder.run("unfold path.fold --unit in -o again.fold");
+    let text = "the unit of lengths: expected no unit, or in, found mm";
+    assert!(refused.with_status(2).stderr.contains(text));
+}

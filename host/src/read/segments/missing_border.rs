@@ -7,6 +7,7 @@ use nalgebra::Vector2;
 
 use crate::pattern::{DrawnEdge, Letter};
 use crate::util::csr::group_by_key;
+use crate::util::hull::convex_hull;
 
 /// A part of the drawing's convex hull where a border is missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,26 +83,4 @@ pub(super) fn missing_borders(
         lines: lines.len(),
     });
     missing.collect()
-}
-
-/// Returns the corners of the convex hull, counter-clockwise (A. Andrew, "Another efficient algorithm for convex hulls in
-/// two dimensions", 1979). Points within `near` of a side are no corners.
-fn convex_hull(mut points: Vec<Vector2<f64>>, near: f64) -> Vec<Vector2<f64>> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let half = |points: &mut dyn Iterator<Item = &Vector2<f64>>| {
-        let mut hull: Vec<Vector2<f64>> = Vec::new();
-        for &point in points {
-            while let [.., a, b] = hull[..]
-                && (b - a).perp(&(point - a)) <= near * (point - a).norm()
-            {
-                hull.pop();
-            }
-            hull.push(point);
-        }
-        hull.pop();
-        hull
-    };
-    let mut hull = half(&mut points.iter());
-    hull.extend(half(&mut points.iter().rev()));
-    hull
 }
