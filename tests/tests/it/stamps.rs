@@ -54,24 +54,64 @@ fn comb(squares: usize, teeth: usize, random: &mut Random) -> Drawing {
     drawing
 }
 
+/// Asserts that a sheet is planned, and that `check` and the oracle have nothing to say of its path.
+fn assert_planned(name: &str, drawing: Drawing) {
+    let pattern = CreasePattern::new(drawing).unwrap();
+    let goal = Goal::of_pattern(&pattern).unwrap();
+    let options = PlanOptions::default();
+    let plan = plan(&pattern, &goal, &options);
+    assert_eq!(plan.outcome, Outcome::Planned, "{name}: {:?}", plan.reason);
+    let text = motion_text(plan.motion.as_ref().unwrap());
+    let verdict = check(&path_file(&text).unwrap(), &strict());
+    assert_eq!(verdict.findings(), [""; 0], "{name}");
+    let path = Animation::parse(&text).unwrap();
+    let angles: Vec<_> = pattern.edges().iter().map(|edge| edge.goal).collect();
+    let judged = judge(&path, &angles, &plan, options.bound, CONTACT);
+    assert_eq!(judged.disagreements, [""; 0], "{name}");
+}
+
 #[test]
 fn strips_and_combs_of_stamps_are_planned_whatever_their_letters() {
     let mut random = Random::new(56);
     for (squares, teeth, cases) in [(12, 0, 3), (24, 0, 1), (36, 0, 1), (5, 3, 3), (9, 3, 1)] {
         for case in 0..cases {
-            let pattern = CreasePattern::new(comb(squares, teeth, &mut random)).unwrap();
-            let goal = Goal::of_pattern(&pattern).unwrap();
-            let options = PlanOptions::default();
-            let plan = plan(&pattern, &goal, &options);
             let name = format!("{squares} squares, teeth of {teeth}, case {case}");
-            assert_eq!(plan.outcome, Outcome::Planned, "{name}");
-            let text = motion_text(plan.motion.as_ref().unwrap());
-            let verdict = check(&path_file(&text).unwrap(), &strict());
-            assert_eq!(verdict.findings(), [""; 0], "{name}");
-            let path = Animation::parse(&text).unwrap();
-            let angles: Vec<_> = pattern.edges().iter().map(|edge| edge.goal).collect();
-            let judged = judge(&path, &angles, &plan, options.bound, CONTACT);
-            assert_eq!(judged.disagreements, [""; 0], "{name}");
+            assert_planned(&name, comb(squares, teeth, &mut random));
         }
+    }
+}
+
+/// Returns a strip that rolls up by quarter turns, each panel a little longer than the one before.
+fn roll(panels: usize) -> Drawing {
+    #[allow(clippy::cast_precision_loss, reason = "a small number")]
+    let widths = (0..panels).map(|panel| 1.0 + 0.02 * panel as f64);
+    let ends = widths.scan(0.0, |end, width| {
+        *end += width;
+        Some(*end)
+    });
+    let ends: Vec<f64> = core::iter::once(0.0).chain(ends).collect();
+    let count = ends.len();
+    let vertices = (0..2 * count).map(|k| Vector2::new(ends[k % count], f64::from(k >= count)));
+    let along = (0..2 * count).filter(|k| (k + 1) % count != 0);
+    let rim = along
+        .map(|k| [k, k + 1])
+        .chain([[0, count], [count - 1, 2 * count - 1]]);
+    let hinges = (1..panels).map(|k| DrawnEdge {
+        ends: [k, count + k],
+        letter: Letter::Valley,
+        goal: Some(core::f64::consts::FRAC_PI_2),
+    });
+    Drawing {
+        vertices: vertices.collect(),
+        edges: rim.map(DrawnEdge::boundary).chain(hinges).collect(),
+        faces: None,
+    }
+}
+
+/// Only the innermost panel can turn first, and only the outermost last.
+#[test]
+fn strips_that_roll_up_are_planned() {
+    for panels in [12, 20, 48] {
+        assert_planned(&format!("{panels} panels"), roll(panels));
     }
 }

@@ -10,7 +10,7 @@ use super::phase_samples::{PhaseSamples, turns_freely};
 use super::simple_folds::simple_folds;
 use super::stops::{Leg, StopSearch, between, plan_via, search_stops, set, union};
 use crate::folding::FoldingMap;
-use crate::pattern::CreasePattern;
+use crate::pattern::{CreasePattern, FaceId};
 use crate::planner::following::judge::Judge;
 use crate::planner::following::mobility::independent_parts;
 use crate::planner::following::reduction::{CLOSED, Reduction};
@@ -348,19 +348,27 @@ impl Orders<'_> {
 
     /// Looks for a sequence from its end, if samples are taken: opens a part that can be opened, until all are open. Near the
     /// end, where parts lie in each other, few can. Nothing that was opened is closed again, so that some sequences are not
-    /// found. Parts that could be opened seldom so far are tried last.
+    /// found. Parts beside the one opened last are tried first, and those last that could not be opened most often.
     fn opened(&mut self) -> Option<Vec<FixedBitSet>> {
         let samples = self.samples.as_mut()?;
         // The rest is for other sequences, and to fold at once what can be.
         let least_left = samples.left() / 4;
-        let mut closed: Vec<(usize, &FixedBitSet)> =
-            self.parts.iter().map(|part| (0, part)).collect();
-        closed.retain(|(_, part)| !part.is_clear());
+        let pattern = self.problem.pattern;
+        let faces = |part: &FixedBitSet| {
+            let edges = part.ones().map(|crease| pattern.creases()[crease]);
+            let faces = edges.filter_map(|edge| pattern.edge(edge).inner_faces());
+            faces.flatten().collect::<Vec<FaceId>>()
+        };
+        let beyond = |part: &FixedBitSet| part.ones().map(|crease| self.beyond[crease]).max();
+        let parts = self.parts.iter().filter(|part| !part.is_clear());
+        let mut closed: Vec<(usize, &FixedBitSet)> = parts.map(|part| (0, part)).collect();
         let mut folded = self.all.clone();
-        let mut order = Vec::new();
+        let (mut order, mut last) = (Vec::new(), Vec::new());
         while !closed.is_empty() {
-            let beyond = |part: &FixedBitSet| part.ones().map(|crease| self.beyond[crease]).max();
-            closed.sort_by_cached_key(|&(failures, part)| (failures, beyond(part)));
+            closed.sort_by_cached_key(|&(failures, part)| {
+                let is_beside = faces(part).iter().any(|face| last.contains(face));
+                (!is_beside, failures, beyond(part))
+            });
             let next = closed.iter_mut().position(|(failures, part)| {
                 let before = folded.difference(part).collect();
                 *failures += 1;
@@ -368,6 +376,7 @@ impl Orders<'_> {
             })?;
             let (_, part) = closed.remove(next);
             folded.difference_with(part);
+            last = faces(part);
             order.push(part.clone());
         }
         order.reverse();
