@@ -351,8 +351,9 @@ impl Orders<'_> {
     /// found. Parts beside the one opened last are tried first, and those last that could not be opened most often.
     fn opened(&mut self) -> Option<Vec<FixedBitSet>> {
         let samples = self.samples.as_mut()?;
-        // The rest is for other sequences, and to fold at once what can be.
-        let least_left = samples.left() / 4;
+        let all = samples.left();
+        // The rest is for folding at once what can be.
+        let least_left = all / 4;
         let pattern = self.problem.pattern;
         let faces = |part: &FixedBitSet| {
             let edges = part.ones().map(|crease| pattern.creases()[crease]);
@@ -373,7 +374,12 @@ impl Orders<'_> {
                 let before = folded.difference(part).collect();
                 *failures += 1;
                 samples.left() > least_left && !samples.is_spent() && samples.is_free(&before, part)
-            })?;
+            });
+            let Some(next) = next else {
+                // Other searches may take as many samples as without this one.
+                samples.allow(all);
+                return None;
+            };
             let (_, part) = closed.remove(next);
             folded.difference_with(part);
             last = faces(part);

@@ -119,6 +119,11 @@ impl<'a> PhaseSamples<'a> {
         self.left
     }
 
+    /// Sets the number of faces that may yet be placed for samples.
+    pub(super) fn allow(&mut self, faces: usize) {
+        self.left = faces;
+    }
+
     /// Returns the crossing that ends the free part of a phase, given the first sample that crosses.
     fn bisected(&mut self, sets: &[FixedBitSet; 2], mut found: SampledCrossing) -> SampledCrossing {
         let mut crossed = SAMPLES
