@@ -546,11 +546,7 @@ mod tests {
     #[test]
     fn the_edges_of_a_cone_span_it() {
         let mut random = Pcg64::new(1, 0);
-        let mut noise = || {
-            #[allow(clippy::cast_precision_loss, reason = "a random number")]
-            let part = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-            2.0 * part - 1.0
-        };
+        let mut noise = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
         let mut dropped = 0;
         for round in 0..1000 {
             let mut direction = || Vector3::from_fn(|_, _| noise()).normalize();

@@ -185,8 +185,8 @@ impl Trims {
             let crease = pattern.edge(edge).crease;
             crease.map(|crease| (memberships.get(crease.index()).copied()).ok_or(crease))
         };
-        let mut classes: HashMap<Vec<_>, Vec<Vec<Corner>>> = HashMap::new();
-        let mut order = Vec::new();
+        let mut classes: Vec<Vec<Vec<Corner>>> = Vec::new();
+        let mut class_of = HashMap::new();
         for vertex in (0..).map(VertexId).take(pattern.vertices().len()) {
             let corner = |&face: &FaceId| {
                 Corner::of(pattern, face, vertex, |edge| self.tangents(edge, margin))
@@ -196,15 +196,14 @@ impl Trims {
             corners.sort_by_key(Corner::place);
             let key = |corner: &Corner| (corner.place(), corner.edges.map(member));
             let key: Vec<_> = corners.iter().map(key).collect();
-            let class = classes.entry(key).or_insert_with_key(|key| {
-                order.push(key.clone());
-                Vec::new()
+            let class = *class_of.entry(key).or_insert_with(|| {
+                classes.push(Vec::new());
+                classes.len() - 1
             });
-            class.push(corners);
+            classes[class].push(corners);
         }
         let mut apart = Vec::new();
-        for key in &order {
-            let class = &classes[key];
+        for class in &classes {
             let first = &class[0];
             for [a, b] in (0..first.len()).flat_map(|a| (0..a).map(move |b| [a, b])) {
                 let are_joined = (first[a].edges.iter()).any(|edge| first[b].edges.contains(edge));

@@ -215,7 +215,9 @@ impl Rates {
             Self::Angle(angle) => 2.0 * max_difference(&derivative(angle)),
             // The second derivative is 2 (N/q)' with N the numerator and q = c² + n².
             Self::HalfAngle(parts) => {
-                let ([n, n1, _], [_, q1, _], least) = self.quotient(parts);
+                let Some(([n, n1, _], [_, q1, _], least)) = self.quotient(parts) else {
+                    return f64::INFINITY;
+                };
                 2.0 * (n1 + n * q1 / least) / least
             }
         }
@@ -227,19 +229,21 @@ impl Rates {
             Self::Angle([a, b, c, d]) => 6.0 * (d - 3.0 * c + 3.0 * b - a).abs(),
             // The third derivative is 2 (N/q)''.
             Self::HalfAngle(parts) => {
-                let ([n, n1, n2], [_, q1, q2], least) = self.quotient(parts);
+                let Some(([n, n1, n2], [_, q1, q2], least)) = self.quotient(parts) else {
+                    return f64::INFINITY;
+                };
                 2.0 * (n2 + (2.0 * n1 * q1 + n * q2 + 2.0 * n * q1 * q1 / least) / least) / least
             }
         }
     }
 
     /// Returns bounds on the absolute values of the numerator and of q = c² + n², each with its first and second derivative, and
-    /// the least value of q, at least 0.
-    fn quotient(&self, [cos, sin]: &[[f64; 4]; 2]) -> ([f64; 3], [f64; 3], f64) {
+    /// a lower bound of q; `None` if none above 0 is known.
+    fn quotient(&self, [cos, sin]: &[[f64; 4]; 2]) -> Option<([f64; 3], [f64; 3], f64)> {
         let (c, n) = (square(cos), square(sin));
         let squares: [f64; 7] = core::array::from_fn(|k| c[k] + n[k]);
         let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
-        (jet(&self.numerator()), jet(&squares), least.max(0.0))
+        (least > 0.0).then(|| (jet(&self.numerator()), jet(&squares), least))
     }
 
     /// Returns coefficients proportional to the rate: ρ' for an angle, c n' - n c' for a half angle.
@@ -330,6 +334,18 @@ fn square(a: &[f64; 4]) -> [f64; 7] {
 mod tests {
     use super::*;
     use foldpath_core::{Interpolation, Node};
+
+    /// A hinge that rests has a numerator of 0, but the sum of squares is not known to be above 0.
+    #[test]
+    fn no_bound_is_known_where_cosine_and_sine_may_vanish() {
+        let curve = Curve::HalfAngle {
+            cos: [1.0, -1.0, -1.0, 1.0],
+            sin: [0.0; 4],
+        };
+        let variation = Variation::new(curve);
+        assert!(variation.bulge(0.0, 1.0).is_infinite());
+        assert!(variation.third_derivative(0.0, 1.0).is_infinite());
+    }
 
     #[test]
     fn no_two_samples_differ_by_more_than_the_variation_between_them() {

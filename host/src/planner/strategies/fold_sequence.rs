@@ -78,7 +78,6 @@ pub(crate) fn fold_in_sequence(
         dead: HashSet::new(),
         barred: Vec::new(),
         steps: 0,
-        is_first: true,
         order: Vec::new(),
     };
     let plan = search_stops(problem, leg, &mut orders)?;
@@ -233,8 +232,6 @@ struct Orders<'a> {
     in_the_way: Vec<usize>,
     /// Number of steps in the search so far.
     steps: usize,
-    /// `true` until a sequence was looked for.
-    is_first: bool,
     /// The sequence that is tried.
     order: Vec<FixedBitSet>,
 }
@@ -246,12 +243,12 @@ impl StopSearch for Orders<'_> {
 
     fn next(&mut self) -> Option<Vec<Vec<f64>>> {
         let mut order = Vec::new();
-        if let Some(opened) = self.is_first.then(|| self.opened()).flatten() {
+        let is_first = self.barred.is_empty() && self.steps == 0;
+        if let Some(opened) = is_first.then(|| self.opened()).flatten() {
             order = opened;
         } else {
             self.extend(&mut order).ok()?;
         }
-        self.is_first = false;
         self.order = order;
         Some(self.leg.stops_of(&self.order))
     }

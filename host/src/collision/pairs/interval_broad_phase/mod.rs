@@ -224,9 +224,8 @@ impl IntervalBroadPhase {
             let [face, parent] = [hinge.to, hinge.from].map(|face| face as usize);
             let before = self.turning[parent];
             let turns = hinge.turns.filter(|_| !rests);
-            self.turning[face] = turns.map_or(before, |Membership { group, negative }| {
-                let sign = if negative { -1.0 } else { 1.0 };
-                let rates = self.rates[group.index()].map(|rate| sign * rate);
+            self.turning[face] = turns.map_or(before, |member| {
+                let rates = self.rates[member.group.index()].map(|rate| member.apply(rate));
                 before.across(self.poses[parent].turn(hinge.axis), rates)
             });
         }
