@@ -64,6 +64,9 @@ pub struct Input {
     piped: Option<(Vec<u8>, Format)>,
 }
 
+/// Key of the frames of a FOLD file.
+const FRAMES: &str = "file_frames";
+
 impl Input {
     /// Names a file, or reads stdin.
     ///
@@ -199,8 +202,10 @@ impl Input {
     /// Reads the motion of a sheet whose file has one; `None` for a crease pattern.
     #[must_use]
     pub fn motion_of_sheet(&self) -> Option<Motion> {
-        let is_fold = self.format() == Format::Fold;
-        is_fold.then(|| self.motion().ok())?
+        // The frames of a motion have a key, so that a pattern need not be parsed once more.
+        let bytes = self.bytes().ok()?;
+        let has_frames = core::str::from_utf8(&bytes).is_ok_and(|text| text.contains(FRAMES));
+        (has_frames && self.format() == Format::Fold).then(|| self.motion().ok())?
     }
 
     /// Reads the goal angles (radians) of the creases of a pattern in some frames, and returns them with the name of this
