@@ -16,7 +16,10 @@ use crate::util::union_find::UnionFind;
 struct Hinge {
     face: usize,
     against: usize,
-    member: Membership,
+    /// The fold angle over the time looked at, as Bernstein coefficients (`course`), and a bound on its variation, at most
+    /// half a turn (`turned`), radians.
+    course: [f64; 4],
+    turned: f64,
     /// Axis about which a positive fold angle turns the face against the other.
     line: Axis,
     /// Bound on the distance by which a tear at the crease may move the face, units of the sheet.
@@ -154,6 +157,8 @@ pub(super) fn comoving_faces(
         match member {
             Some((crease, member)) if !still[member.group.index()] => {
                 let Axis { point, direction } = axis(crease);
+                let course = motion.course(times, member);
+                let turned = motion.turned(times, member).min(PI);
                 for (face, against, direction) in
                     [(left, right, direction), (right, left, -direction)]
                 {
@@ -161,7 +166,8 @@ pub(super) fn comoving_faces(
                     hinges.push(Hinge {
                         face,
                         against,
-                        member,
+                        course,
+                        turned,
                         line,
                         torn,
                     });
@@ -181,7 +187,7 @@ pub(super) fn comoving_faces(
     for (faces, off) in torn_edges {
         bodies.join(faces, off);
     }
-    while bodies.join_hinged(&mut hinges, (motion, times), length) {}
+    while bodies.join_hinged(&mut hinges, length) {}
     ComovingFaces {
         bodies: bodies.sets.representatives(),
         nearly: bodies.nearly,
@@ -227,12 +233,7 @@ impl Bodies {
 
     /// Joins bodies that are hinged to one body about the same line and turn about it alike. Returns `true` if any were
     /// joined: others may then be hinged to one body, too.
-    fn join_hinged(
-        &mut self,
-        hinges: &mut [Hinge],
-        during: (&Motion, [Tick; 2]),
-        length: f64,
-    ) -> bool {
+    fn join_hinged(&mut self, hinges: &mut [Hinge], length: f64) -> bool {
         for hinge in &mut *hinges {
             hinge.against = self.sets.find(hinge.against);
         }
@@ -243,8 +244,14 @@ impl Bodies {
             for (k, hinge) in hinges.iter().enumerate() {
                 for other in &hinges[..k] {
                     let faces = [hinge.face, other.face];
-                    if !self.sets.are_joined(faces) {
-                        found |= self.join(faces, hinge.parts_from(other, during, length));
+                    if self.sets.are_joined(faces) {
+                        continue;
+                    }
+                    // Most hinges turn about other lines.
+                    let mut parts = hinge.line_parts_from(other, length);
+                    if parts <= NEARLY_AT_REST_RATIO * self.tolerance {
+                        parts += length * hinge.turns_unlike(other);
+                        found |= self.join(faces, parts);
                     }
                 }
             }
@@ -254,16 +261,25 @@ impl Bodies {
 }
 
 impl Hinge {
-    /// Returns a bound on how far the face moves relative to that of another hinge, if both turn against one body.
-    fn parts_from(&self, other: &Self, (motion, times): (&Motion, [Tick; 2]), length: f64) -> f64 {
+    /// Returns a bound on how far the face moves relative to that of another hinge, if both turn alike against one body:
+    /// what their lines are apart, and tears.
+    fn line_parts_from(&self, other: &Self, length: f64) -> f64 {
         let [a, b] = [&self.line, &other.line];
-        let opposite = a.direction.dot(&b.direction) < 0.0;
-        let unlike = motion.unlike(times, [self.member, other.member], opposite);
         let off = a.distance(&b.point) + length * a.direction.cross(&b.direction).norm();
-        self.torn
-            + other.torn
-            + length * unlike
-            + 2.0 * motion.turned(times, other.member).min(PI) * off
+        self.torn + other.torn + 2.0 * other.turned * off
+    }
+
+    /// Returns a bound on the difference between the turns of two faces about one line, radians; no number if none is
+    /// known.
+    fn turns_unlike(&self, other: &Self) -> f64 {
+        let opposite = self.line.direction.dot(&other.line.direction) < 0.0;
+        let sign = if opposite { -1.0 } else { 1.0 };
+        let ahead: [f64; 4] = core::array::from_fn(|k| self.course[k] - sign * other.course[k]);
+        let most = |[low, high]: [f64; 2], ahead: f64| [low.min(ahead), high.max(ahead)];
+        let [low, high] = ahead[1..]
+            .iter()
+            .fold([ahead[0]; 2], |range, &it| most(range, it));
+        high - low
     }
 }
 
@@ -361,21 +377,23 @@ mod tests {
 
     #[test]
     fn lines_apart_turn_what_they_carry_apart() {
+        let motion = Motion::new(&[vec![Curve::Angle([0.0, 1.0, 2.0, 3.0])]], 1);
+        let member = Membership {
+            group: GroupId(0),
+            negative: false,
+        };
         let hinge = |point: Vector3<f64>, direction: Vector3<f64>| Hinge {
             face: 0,
             against: 1,
-            member: Membership {
-                group: GroupId(0),
-                negative: false,
-            },
+            course: motion.course([0, SEGMENT], member),
+            turned: motion.turned([0, SEGMENT], member),
             torn: 0.0,
             line: Axis { point, direction },
         };
-        let motion = Motion::new(&[vec![Curve::Angle([0.0, 1.0, 2.0, 3.0])]], 1);
         let first = hinge(Vector3::zeros(), Vector3::x());
         let parts = |point, direction| {
             let other = hinge(point, direction);
-            first.parts_from(&other, (&motion, [0, SEGMENT]), 10.0)
+            first.line_parts_from(&other, 10.0) + 10.0 * first.turns_unlike(&other)
         };
         assert!(parts(Vector3::x(), Vector3::x()) < 1e-12);
         // Half a turn about lines 1e-3 apart moves points apart by 2e-3, about lines askew by 1e-3 by 20e-3.

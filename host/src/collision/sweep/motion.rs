@@ -122,30 +122,15 @@ impl Motion {
         variation.until(end) - variation.until(s)
     }
 
-    /// Returns a bound on the difference between the turns of two creases from one time to another of the same
-    /// segment, radians. With `opposite`, it bounds the difference from turning by opposite angles. Infinite
-    /// for half-angle curves.
-    pub(in crate::collision) fn unlike(
-        &self,
-        times: [Tick; 2],
-        creases: [Membership; 2],
-        opposite: bool,
-    ) -> f64 {
-        let (segment, [s, end]) = self.stretch(times);
-        let opposite = opposite != (creases[0].negative != creases[1].negative);
-        let sign = if opposite { -1.0 } else { 1.0 };
-        let [a, b] = creases.map(|crease| self.variation(segment, crease).curve);
-        let (Curve::Angle(a), Curve::Angle(b)) = (a, b) else {
-            return f64::INFINITY;
-        };
-        // A cubic is within its Bernstein coefficients.
-        let difference: [f64; 4] = core::array::from_fn(|k| a[k] - sign * b[k]);
-        let [low, high] = restrict(&difference, [s, end])
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
-                [low.min(*d), high.max(*d)]
-            });
-        high - low
+    /// Returns the Bernstein coefficients of a crease's angle from one time to another of the same segment, radians: the
+    /// angle is within them. They are no numbers for half-angle curves.
+    pub(in crate::collision) fn course(&self, times: [Tick; 2], crease: Membership) -> [f64; 4] {
+        let (segment, stretch) = self.stretch(times);
+        let sign = if crease.negative { -1.0 } else { 1.0 };
+        match &self.variation(segment, crease).curve {
+            Curve::Angle(angle) => restrict(angle, stretch).map(|angle| sign * angle),
+            _ => [f64::NAN; 4],
+        }
     }
 
     /// Returns `true` if a group keeps its angle, without rounding, in all segments that have a part between two times.

@@ -91,9 +91,9 @@ pub(super) struct Ways<'a> {
     pub(super) memberships: &'a [Membership],
     /// For each group `true` if it does not turn in the current phase; empty if all may turn.
     pub(super) still: Vec<bool>,
-    /// For each face, once requested, the distance to it from every other face (`known`); not kept on large
+    /// For each face, once requested, the search of ways to it, as far as it went (`known`); not kept on large
     /// sheets (`keeps`).
-    known: Vec<Vec<u32>>,
+    known: Vec<Search>,
     keeps: bool,
     searched: Search,
     /// `None` along a lattice, where faces are placed as in a sheet that closes.
@@ -113,21 +113,23 @@ struct Search {
 }
 
 impl Search {
-    fn new(faces: usize) -> Self {
-        Self {
-            far: vec![0; faces],
-            ..Self::default()
-        }
+    /// Begins at one of this many faces.
+    fn begin(&mut self, face: FaceId, faces: usize) {
+        self.forget();
+        self.far.resize(faces, 0);
+        self.reach(face, 0, 1);
     }
 
-    /// Begins at a face.
-    fn begin(&mut self, face: FaceId) {
+    fn has_begun(&self) -> bool {
+        !self.reached.is_empty()
+    }
+
+    fn forget(&mut self) {
         for face in self.reached.drain(..) {
             self.far[face.index()] = 0;
         }
         self.open.iter_mut().for_each(VecDeque::clear);
         self.settled = 0;
-        self.reach(face, 0, 1);
     }
 
     fn reach(&mut self, face: FaceId, from: u32, cost: u32) {
@@ -172,9 +174,9 @@ impl<'a> Ways<'a> {
             pattern,
             memberships,
             still: Vec::new(),
-            known: vec![Vec::new(); if keeps { faces } else { 0 }],
+            known: vec![Search::default(); if keeps { faces } else { 0 }],
             keeps,
-            searched: Search::new(faces),
+            searched: Search::default(),
             torn: closure.map(|closure| TornSheet::new(pattern, closure)),
         }
     }
@@ -191,7 +193,7 @@ impl<'a> Ways<'a> {
         let others = self.still != still;
         if others {
             self.still = still;
-            self.known.iter_mut().for_each(Vec::clear);
+            self.known.iter_mut().for_each(Search::forget);
         }
         others
     }
@@ -204,20 +206,23 @@ impl<'a> Ways<'a> {
         if round.is_none() && (self.is_simple() || one != other) {
             return self.along_tree([from, to]);
         }
-        let mut search = core::mem::take(&mut self.searched);
-        let way = if round.is_none() && self.keeps {
-            if self.known[to.index()].is_empty() {
-                search.begin(to);
-                self.search(&mut search, None, None);
-                self.known[to.index()] = search.far.clone();
-            }
-            self.trace(&self.known[to.index()], [from, to], round)
+        let kept = self.keeps && round.is_none();
+        let searches = if kept {
+            &mut self.known[to.index()]
         } else {
-            search.begin(to);
-            self.search(&mut search, round, Some(from));
-            self.trace(&search.far, [from, to], round)
+            &mut self.searched
         };
-        self.searched = search;
+        let mut search = core::mem::take(searches);
+        if !kept || !search.has_begun() {
+            search.begin(to, self.pattern.faces().len());
+        }
+        self.search(&mut search, round, from);
+        let way = self.trace(&search.far, [from, to], round);
+        if kept {
+            self.known[to.index()] = search;
+        } else {
+            self.searched = search;
+        }
         way
     }
 
@@ -245,14 +250,13 @@ impl<'a> Ways<'a> {
         let groups: Vec<&[usize]> = order.chunk_by(same_end).collect();
         let faces = self.pattern.faces().len();
         let each = parallel::total_time(faces, TIME_PER_FACE);
-        let begin = || Search::new(faces);
-        let found = parallel::map_with(&groups, each, begin, |search, group| {
-            search.begin(pairs[group[0]][1]);
+        let found = parallel::map_with(&groups, each, Search::default, |search, group| {
+            search.begin(pairs[group[0]][1], faces);
             let ways = group.iter().map(|&index| {
                 if watch.is_over() {
                     return None;
                 }
-                self.search(search, None, Some(pairs[index][0]));
+                self.search(search, None, pairs[index][0]);
                 self.trace(&search.far, pairs[index], None)
             });
             ways.collect::<Vec<_>>()
@@ -287,10 +291,9 @@ impl<'a> Ways<'a> {
         Some(way)
     }
 
-    /// Goes on with a search until the distance to a face is final, or those to all faces are; round a vertex, if one is
-    /// given.
-    fn search(&self, search: &mut Search, round: Option<VertexId>, until: Option<FaceId>) {
-        while !until.is_some_and(|until| search.is_settled(until)) {
+    /// Goes on with a search until the distance to a face is final; round a vertex, if one is given.
+    fn search(&self, search: &mut Search, round: Option<VertexId>, until: FaceId) {
+        while !search.is_settled(until) {
             let Some((far, face)) = search.next() else {
                 return;
             };

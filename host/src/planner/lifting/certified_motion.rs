@@ -98,11 +98,10 @@ impl<'a> Lifting<'a> {
     /// Places knots on the path, certified between them for a fraction of the bound.
     pub(crate) fn place_knots(&self, bound_fraction: f64) -> Placement {
         let (problem, reduction) = (self.problem, self.reduction);
-        let aim = problem.options.bound.min(CERTIFIED_DEFORMATION) * bound_fraction;
-        let closure = reduction.tolerance(aim);
+        let closure = self.closure_for(bound_fraction);
         let open = self.max_residual(&reduction.essential);
         if problem.errors.is_measured() {
-            self.measured(aim).unwrap_or_default()
+            self.measured(self.aim(bound_fraction)).unwrap_or_default()
         } else if open <= CLOSED {
             let kept = self.closure_of_plates().filter(|kept| *kept < closure);
             let closed = kept.and_then(|kept| self.closed(kept));
@@ -118,6 +117,16 @@ impl<'a> Lifting<'a> {
                 self.nearly_closed().or_bounds_of(&closed)
             }
         }
+    }
+
+    /// Returns the deformation that is aimed for between knots, for a fraction of the bound.
+    fn aim(&self, bound_fraction: f64) -> f64 {
+        self.problem.options.bound.min(CERTIFIED_DEFORMATION) * bound_fraction
+    }
+
+    /// Returns the closure residual that vertices may reach between knots, for a fraction of the bound.
+    pub(crate) fn closure_for(&self, bound_fraction: f64) -> f64 {
+        self.reduction.tolerance(self.aim(bound_fraction))
     }
 
     /// Returns the closure residual within which plates keep to the lattice so nearly that it tells whether they cross, if they

@@ -9,7 +9,7 @@ use super::swept_motion::{Crossed, LEAST_BOUND_FRACTION, Swept, angles_before, p
 use crate::collision::{Crossing, Place};
 use crate::planner::following::judge::Judge;
 use crate::planner::knots::{KnotSequence, errors};
-use crate::planner::plan::Outcome;
+use crate::planner::plan::{Certificate, Outcome};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{Note, Reason, TimeoutAt};
 use crate::planner::vectors::max_difference;
@@ -92,9 +92,12 @@ impl Lifting<'_> {
             reached: self.reached,
             waypoints: self.waypoints.len(),
             certificate: placement.certificate,
-            recourse: match self.open_goal {
-                Some(_) => Recourse::EndEarlier,
-                None => Recourse::GoNearer(bound_fraction),
+            recourse: if self.open_goal.is_some() {
+                Recourse::EndEarlier
+            } else if self.is_nearest(placement.certificate) {
+                Recourse::Nothing
+            } else {
+                Recourse::GoNearer(bound_fraction)
             },
             ..Lifted::default()
         };
@@ -110,6 +113,13 @@ impl Lifting<'_> {
             lifted.end(Outcome::Partial, Reason::TooManyKnots { budget });
         }
         lifted
+    }
+
+    /// Returns `true` if a motion closes so well between its knots that to place it nearer to the path changes nothing.
+    fn is_nearest(&self, certificate: Option<Certificate>) -> bool {
+        let closes = certificate.and_then(|it| it.closure);
+        let nearest = self.closure_for(LEAST_BOUND_FRACTION);
+        !self.problem.errors.is_measured() && closes.is_some_and(|closes| closes <= nearest)
     }
 
     /// Ends a motion before the first segment that is not proved to keep the bound, and measures the sheet at its knots.

@@ -64,6 +64,8 @@ pub(crate) fn place(
                 if placed.open.is_none() {
                     placer.knot_budget = placer.knot_budget.min(placed.knots.len());
                 }
+                // What keeps the condition no farther is not placed to its end.
+                placer.keeps_to = kept_to(&placed);
                 best = Some(placed);
             }
         }
@@ -74,14 +76,17 @@ pub(crate) fn place(
 /// Returns `true` if a motion keeps the closure condition farther than the best so far or, if it does as far, has fewer knots
 /// or takes less time.
 fn is_better(new: &KnotSequence, best: &KnotSequence) -> bool {
-    let [[new_end, new_time], [best_end, best_time]] = [new, best].map(|motion| {
-        let open = motion.open.as_ref();
-        let end = open.map_or(f64::INFINITY, |open| open.arc_length);
-        [end, motion.knots.last().map_or(0.0, |last| last.time)]
-    });
-    let order = best_end.total_cmp(&new_end);
+    let time = |motion: &KnotSequence| motion.knots.last().map_or(0.0, |last| last.time);
+    let [new_time, best_time] = [new, best].map(time);
+    let order = kept_to(best).total_cmp(&kept_to(new));
     let order = order.then(new.knots.len().cmp(&best.knots.len()));
     order.then(new_time.total_cmp(&best_time)).is_lt()
+}
+
+/// Returns the path length up to which a motion keeps the closure condition; infinity if it does to its end.
+fn kept_to(motion: &KnotSequence) -> f64 {
+    let open = motion.open.as_ref();
+    open.map_or(f64::INFINITY, |open| open.arc_length)
 }
 
 /// Returns the fastest time law of a path.

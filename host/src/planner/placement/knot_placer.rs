@@ -55,6 +55,8 @@ pub(super) struct KnotPlacer<'a, 's> {
     solver: &'a mut ClosureSolver<'s>,
     /// Largest number of knots.
     pub(super) knot_budget: usize,
+    /// Path length up to which the motion has to keep the closure condition at least, to be placed at all.
+    pub(super) keeps_to: f64,
     certifier: SegmentCertifier,
     sheet: Option<SheetBounds<'a>>,
     /// Configurations found on the path in addition to its waypoints.
@@ -93,6 +95,7 @@ impl<'a, 's> KnotPlacer<'a, 's> {
             constraints,
             solver,
             knot_budget: constraints.knot_budget,
+            keeps_to: f64::NEG_INFINITY,
             certifier: SegmentCertifier::default(),
             sheet: constraints.sheet.clone(),
             found: Vec::new(),
@@ -117,8 +120,8 @@ impl<'a, 's> KnotPlacer<'a, 's> {
     }
 
     /// Places the fewest knots found with this interpolation and time law. If even the densest knots do not keep the
-    /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, or the
-    /// interpolation does not pass where the path does.
+    /// closure condition, the bound on closure says so. Returns `None` if more knots are needed than allowed, the
+    /// interpolation does not pass where the path does, or the motion does not keep the condition as far as it has to.
     pub(super) fn place(&mut self, kind: Interpolation, law: &TimeLaw) -> Option<KnotSequence> {
         self.known.clear();
         let builder = SegmentBuilder::new(self.path, kind, law);
@@ -162,7 +165,7 @@ impl<'a, 's> KnotPlacer<'a, 's> {
                 points.extend(open.pop());
             } else if let Some(between) = self.between(&from, &to) {
                 open.push(between);
-            } else if self.deforms_within(|sheet| sheet.bound) {
+            } else if from.arc_length > self.keeps_to && self.deforms_within(|sheet| sheet.bound) {
                 fits = false;
                 points.extend(open.pop());
             } else {
