@@ -116,7 +116,10 @@ impl<'a> Approach<'a> {
 
     /// Makes chains cross few of the creases that turn, given for each group `true` if it does not.
     pub(super) fn keep_still(&mut self, still: Vec<bool>) {
-        self.phase += usize::from(self.chains.ways.keep_still(still));
+        if self.chains.ways.keep_still(still) {
+            self.phase += 1;
+            self.chains.truncate(self.kept);
+        }
     }
 
     /// Returns a chain of creases between the two members of a pair, along which tears use up only a part of `room`: the
@@ -141,20 +144,29 @@ impl<'a> Approach<'a> {
 
     /// Returns the chain of creases along the tree between the two members of a pair, on which nothing is torn.
     pub(super) fn along_tree(&mut self, sheet: &PlacedPieces<'_>, pair: &mut Pair) -> Chain {
+        self.renew(pair);
         if let Some(chain) = &pair.along_tree {
             return chain.clone();
         }
-        let along_tree = self.chains.along_tree(sheet.faces(pair.nodes));
-        let chain = along_tree.unwrap_or_else(|| self.chain(sheet, pair));
+        let others = !self.chains.ways.is_simple() || matches!(pair.kind, Kind::Vertex(_));
+        let along_tree = others.then(|| self.chains.along_tree(sheet.faces(pair.nodes)));
+        let chain = along_tree.flatten();
+        let chain = chain.unwrap_or_else(|| self.chain(sheet, pair));
         pair.along_tree = Some(chain.clone());
         chain
     }
 
+    /// Forgets the chains of a pair that were found in another phase.
+    fn renew(&self, pair: &mut Pair) {
+        if pair.phase != self.phase {
+            (pair.chain, pair.along_tree, pair.phase) = (None, None, self.phase);
+        }
+    }
+
     /// Returns the shortest chain of creases between the two members of a pair.
     pub(super) fn chain(&mut self, sheet: &PlacedPieces<'_>, pair: &mut Pair) -> Chain {
-        if let Some(chain) = &pair.chain
-            && pair.phase == self.phase
-        {
+        self.renew(pair);
+        if let Some(chain) = &pair.chain {
             return chain.clone();
         }
         let round = match pair.kind {
@@ -164,7 +176,7 @@ impl<'a> Approach<'a> {
         let faces = sheet.faces(pair.nodes);
         let chain = self.chains.find(faces, round);
         let chain = chain.unwrap_or_default();
-        (pair.chain, pair.phase) = (Some(chain.clone()), self.phase);
+        pair.chain = Some(chain.clone());
         chain
     }
 

@@ -14,11 +14,11 @@ use crate::pattern::FaceId;
 pub(super) struct Pair {
     pub(super) nodes: [u32; 2],
     pub(super) kind: Kind,
-    /// The chain of creases between them, once requested, and the phase in which it was found.
+    /// The chain of creases between them and that along the spanning tree, once requested, and the phase in which they
+    /// were found.
     pub(super) chain: Option<Chain>,
-    pub(super) phase: usize,
-    /// The chain along the spanning tree, once requested.
     pub(super) along_tree: Option<Chain>,
+    pub(super) phase: usize,
     /// Time of the last query.
     pub(super) last: Option<Tick>,
     /// Time from which on the broad phase proves that the pair is free.

@@ -233,7 +233,7 @@ impl<'a> Ways<'a> {
     }
 
     /// Returns `true` if the way along the tree is the only one.
-    fn is_simple(&self) -> bool {
+    pub(super) fn is_simple(&self) -> bool {
         self.torn.as_ref().is_some_and(|torn| torn.is_simple)
     }
 
