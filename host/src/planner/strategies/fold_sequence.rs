@@ -8,7 +8,7 @@ use fixedbitset::FixedBitSet;
 
 use super::phase_samples::{PhaseSamples, turns_freely};
 use super::simple_folds::simple_folds;
-use super::stops::{Leg, StopSearch, between, plan_via, search_stops, set, union};
+use super::stops::{Leg, StopSearch, between, of_those, plan_via, search_stops, set, union};
 use crate::folding::FoldingMap;
 use crate::pattern::{CreasePattern, FaceId};
 use crate::planner::following::judge::Judge;
@@ -431,15 +431,6 @@ impl Orders<'_> {
         }
         Err(in_any_order)
     }
-}
-
-/// Returns the parts of a sequence that lie in `between`.
-fn of_those<'a>(
-    order: &'a [FixedBitSet],
-    between: &'a FixedBitSet,
-) -> impl Iterator<Item = FixedBitSet> + 'a {
-    let parts = order.iter().map(move |creases| creases & between);
-    parts.filter(|creases| !creases.is_clear())
 }
 
 impl Barred {

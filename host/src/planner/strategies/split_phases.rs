@@ -5,13 +5,13 @@
 //! Here the faces that cross say which creases to move to another phase.
 
 use core::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, HashSet};
+use std::collections::{BinaryHeap, HashSet};
 
 use fixedbitset::FixedBitSet;
 
 use super::phase_samples::{PhaseSamples, SampledCrossing, turns_freely};
 use super::rings::Rings;
-use super::stops::{Leg, StopSearch, between, search_stops, set};
+use super::stops::{Leg, StopSearch, between, of_those, search_stops, set};
 use crate::pattern::EdgeId;
 use crate::planner::following::reduction::{CLOSED, Reduction};
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
@@ -43,6 +43,15 @@ struct Candidate {
     phases: Phases,
 }
 
+/// A crossing on a plan. The creases between the two faces alone determine where they are and which lies on the other, so
+/// that the faces cross in all phases in which these creases turn alike.
+struct PlannedCrossing {
+    crossing: SampledCrossing,
+    between: FixedBitSet,
+    /// The creases between that turn in each phase in which some do, up to the one with the crossing.
+    phases: Phases,
+}
+
 /// Ways to part the creases into phases that are still to be tried.
 struct Candidates<'a> {
     leg: &'a Leg,
@@ -54,8 +63,9 @@ struct Candidates<'a> {
     goal: &'a [f64],
     /// `true` if they return one after the other.
     return_in_turn: bool,
-    /// The first phases of plans in which faces cross in the last of them: the faces, and the part of it that is free.
-    crossed: HashMap<Phases, SampledCrossing>,
+    /// Crossings on plans, and the number of phases that were not planned because of them.
+    crossed: Vec<PlannedCrossing>,
+    saved: usize,
     known: HashSet<Phases>,
     open: BinaryHeap<Candidate>,
     /// The phases that are tried.
@@ -143,7 +153,8 @@ impl StopSearch for Candidates<'_> {
                 stops.extend(self.return_stops());
                 return Some(stops);
             };
-            if self.samples.is_spent() {
+            // Phases that are known to cross count as if they were planned.
+            if self.samples.is_spent() || self.crossed.len() + self.saved >= Self::MAX_TRIES {
                 return None;
             }
             self.split(phase, crossing);
@@ -164,7 +175,12 @@ impl StopSearch for Candidates<'_> {
             let free = self.leg.folded_part(plan, &self.tried[phase]);
             let faces = crossing.faces;
             let crossing = SampledCrossing { free, faces };
-            self.crossed.insert(self.tried[..=phase].to_vec(), crossing);
+            let between = between(self.problem.pattern, faces);
+            self.crossed.push(PlannedCrossing {
+                crossing,
+                phases: of_those(&self.tried[..=phase], &between).collect(),
+                between,
+            });
             self.split(phase, crossing);
         }
     }
@@ -184,7 +200,8 @@ impl<'a> Candidates<'a> {
             body: set(&leg.end, []),
             goal,
             return_in_turn: false,
-            crossed: HashMap::new(),
+            crossed: Vec::new(),
+            saved: 0,
             known: HashSet::new(),
             open: BinaryHeap::new(),
             tried: Vec::new(),
@@ -243,16 +260,21 @@ impl<'a> Candidates<'a> {
         });
     }
 
-    /// Returns the first phase of those tried in which samples cross, or plans with the same first phases did.
+    /// Returns the first phase of those tried in which samples cross, or in which faces are known to cross from plans.
     fn sampled_crossing(&mut self) -> Option<(usize, SampledCrossing)> {
         let mut before = set(&self.leg.end, []);
-        (0..self.tried.len()).find_map(|index| {
-            let phase = &self.tried[index];
-            let sampled = self.samples.crossing(&before, phase);
+        for (index, phase) in self.tried.iter().enumerate() {
+            if let Some(sampled) = self.samples.crossing(&before, phase) {
+                return Some((index, sampled));
+            }
+            let phases = &self.tried[..=index];
+            if let Some(known) = self.crossed.iter().find_map(|it| it.crosses(phases)) {
+                self.saved += 1;
+                return Some((index, known));
+            }
             before.union_with(phase);
-            let planned = || self.crossed.get(&self.tried[..=index]).copied();
-            Some((index, sampled.or_else(planned)?))
-        })
+        }
+        None
     }
 
     /// Adds the ways to split the phase of those tried in which two faces cross.
@@ -268,6 +290,16 @@ impl<'a> Candidates<'a> {
                 self.add(next, reached);
             }
         }
+    }
+}
+
+impl PlannedCrossing {
+    /// Returns the crossing if the faces cross in the last of these phases.
+    fn crosses(&self, phases: &[FixedBitSet]) -> Option<SampledCrossing> {
+        let turns = |phase: &&FixedBitSet| !phase.is_disjoint(&self.between);
+        let alike = || of_those(phases, &self.between).eq(self.phases.iter().cloned());
+        let crosses = phases.last().filter(turns).is_some() && alike();
+        crosses.then_some(self.crossing)
     }
 }
 

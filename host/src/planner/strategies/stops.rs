@@ -305,6 +305,15 @@ pub(super) fn between(pattern: &CreasePattern, faces: [FaceId; 2]) -> FixedBitSe
     set(all, a.symmetric_difference(&b))
 }
 
+/// Returns the parts of a sequence that lie in `between`.
+pub(super) fn of_those<'a>(
+    order: &'a [FixedBitSet],
+    between: &'a FixedBitSet,
+) -> impl Iterator<Item = FixedBitSet> + 'a {
+    let parts = order.iter().map(move |creases| creases & between);
+    parts.filter(|creases| !creases.is_clear())
+}
+
 /// Returns all creases of some sets.
 pub(super) fn union<T>(all: &[T], sets: &[FixedBitSet]) -> FixedBitSet {
     let mut union = set(all, []);
