@@ -79,10 +79,10 @@ pub(crate) enum Command {
     /// within 6e-6 degrees, or to within four times the largest angle defect that --max-defect accepts.
     Unfold(Unfold),
     /// Write one self-contained page that shows a path, or a crease pattern with the numbers of its edges
-    #[command(after_help = examples(["view path.fold -o path.html", "view miura.fold -o miura.html"]))]
-    #[command(mut_arg("path", |path| path.help("Path, a FOLD animation; or any crease pattern")))]
-    #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
-    View(Shown),
+    ///
+    /// With --error or --play, hinges are coloured by the play that they need, as `foldpath tolerance` tells it, and the vertices
+    /// that matter most are marked. With --areal-density the page has curves of the torques that `foldpath loads` tells.
+    View(View),
     /// Draw curves of fold angles, errors, clearance and torques along a path
     Plot(Plot),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
@@ -290,17 +290,13 @@ pub(crate) struct Check {
 }
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("scale").required(true).args(["error", "play"]))]
+#[command(mut_group("scale", |scale| scale.required(true)))]
 #[command(after_help = examples(["tolerance path.fold --error 0.001", "tolerance path.fold --play 0.002 --json"]))]
 pub(crate) struct Tolerance {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
-    /// Largest error of each coordinate of each vertex, in the file's unit
-    #[arg(long, value_name = "E", value_parser = above_zero)]
-    pub(crate) error: Option<f64>,
-    /// Largest play of a hinge, in the file's unit: tells the error that it allows
-    #[arg(long, value_name = "P", value_parser = above_zero)]
-    pub(crate) play: Option<f64>,
+    #[command(flatten)]
+    pub(crate) scale: Scale,
     /// Stop after this time, seconds, counted from the start of the command [default: no limit]
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
@@ -308,6 +304,18 @@ pub(crate) struct Tolerance {
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
+}
+
+/// What the play of a sheet is told for.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(id = "scale", multiple = false)]
+pub(crate) struct Scale {
+    /// Largest error of each coordinate of each vertex, in the file's unit
+    #[arg(long, value_name = "E", value_parser = above_zero)]
+    pub(crate) error: Option<f64>,
+    /// Largest play of a hinge, in the file's unit: tells the error that it allows
+    #[arg(long, value_name = "P", value_parser = above_zero)]
+    pub(crate) play: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -380,6 +388,13 @@ pub(crate) struct Plot {
     /// Picture to write, an SVG or PNG file by its ending .svg or .png
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) torques: Torques,
+}
+
+/// Torques that are drawn for those who ask.
+#[derive(Debug, Args)]
+pub(crate) struct Torques {
     /// Draw the torques of the drivers as well, as loads tells them: mass of the panels, kilograms per square metre
     #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
     pub(crate) areal_density: Option<f64>,
@@ -388,11 +403,23 @@ pub(crate) struct Plot {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Shown {
-    /// Path, a FOLD animation
+#[command(allow_negative_numbers = true)]
+#[command(after_help = examples([
+    "view path.fold -o path.html",
+    "view path.fold --error 0.001 -o play.html",
+    "view path.fold --areal-density 0.8 --unit mm -o torques.html",
+    "view miura.fold -o miura.html",
+]))]
+pub(crate) struct View {
+    /// Path, a FOLD animation; or any crease pattern
     pub(crate) path: PathBuf,
+    /// Page to write, an HTML file
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) scale: Scale,
+    #[command(flatten)]
+    pub(crate) torques: Torques,
 }
 
 #[derive(Debug, Args)]

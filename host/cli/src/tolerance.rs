@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::args::Tolerance as Args;
+use crate::args::{Scale, Tolerance as Args};
 use crate::progress::watched;
 use crate::report::out_of_time;
 use crate::standard::{Input, source};
@@ -24,12 +24,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
         Err(no @ NoTolerance::Cancelled) => return out_of_time(&args.path, no, &args.report),
         found => found.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?,
     };
-    let error = match (args.error, args.play) {
-        (Some(error), _) => Some(error),
-        (None, play) => play
-            .map(|play| tolerance.error_for(play))
-            .filter(|it| it.is_finite()),
-    };
+    let error = error_of(&args.scale, &tolerance);
     let json = ToleranceJson::of(&motion, &tolerance, error);
     if args.report.json {
         print_json(&json)?;
@@ -80,6 +75,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
     };
     print(&text)?;
     Ok(true)
+}
+
+/// Returns the error that is named, or that a play allows; `None` if no error needs play.
+pub(crate) fn error_of(scale: &Scale, tolerance: &Tolerance) -> Option<f64> {
+    (scale.error).or_else(|| tolerance.error_for(scale.play?))
 }
 
 /// Returns a length with its unit.
