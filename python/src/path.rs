@@ -396,7 +396,7 @@ impl Loading {
     }
 }
 
-/// What the play of a sheet is told for.
+/// The error of a sheet, or the play that its hinges have.
 #[derive(Clone, Copy)]
 enum Scale {
     Error(f64),

@@ -2,6 +2,7 @@
 //! that users read.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -12,7 +13,9 @@ use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
 use crate::values::{Gravity, Seeded, Shard, Spring, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
-use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest};
+use foldpath::request::{
+    CheckRequest, ExportRequest, PlanRequest, ReadingRequest, RequestError, UnfoldRequest, timeout,
+};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -171,9 +174,8 @@ pub(crate) struct Info {
     /// then the list instead of the number of edges.
     #[arg(long)]
     pub(crate) edges: bool,
-    /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) until: Until,
     #[command(flatten)]
     pub(crate) reading: Options<ReadingRequest>,
     #[command(flatten)]
@@ -243,6 +245,26 @@ pub(crate) struct Batch {
     pub(crate) worker: bool,
 }
 
+/// The time that a command has.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Until {
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    ///
+    /// The answer has what was found by then.
+    #[arg(long, value_name = "SECONDS")]
+    timeout: Option<f64>,
+}
+
+impl Until {
+    /// Returns the end of the time that begins now.
+    ///
+    /// # Errors
+    /// If the time is none.
+    pub(crate) fn deadline(self) -> Result<Option<Instant>, RequestError> {
+        Ok(timeout(self.timeout)?.and_then(|time| Instant::now().checked_add(time)))
+    }
+}
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -297,16 +319,15 @@ pub(crate) struct Tolerance {
     pub(crate) path: PathBuf,
     #[command(flatten)]
     pub(crate) scale: Scale,
-    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) until: Until,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     #[command(flatten)]
     pub(crate) report: Report,
 }
 
-/// What the play of a sheet is told for.
+/// The error of a sheet, or the play that its hinges have.
 #[derive(Clone, Copy, Debug, Args)]
 #[group(id = "scale", multiple = false)]
 pub(crate) struct Scale {
@@ -338,11 +359,8 @@ pub(crate) struct Loads {
     /// More drivers share the load so that the sum of the squares of their torques is least.
     #[arg(long, value_name = "N")]
     pub(crate) drivers: Option<usize>,
-    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-    ///
-    /// The best set of drivers that was found by then is told.
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) until: Until,
     /// Table of drives, a line NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S for each: tells which fit
     #[arg(long, value_name = "FILE")]
     pub(crate) drives: Option<PathBuf>,

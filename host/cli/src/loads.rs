@@ -13,7 +13,7 @@ use foldpath::motion::Motion;
 use foldpath::pattern::{EdgeId, FaceId};
 use foldpath::progress::Watch;
 use foldpath::read::check_unit;
-use foldpath::request::{LoadsJson, ReadingRequest, Request, timeout};
+use foldpath::request::{LoadsJson, ReadingRequest, Request};
 use foldpath::sensitivity::{Load, Loads, NoLoads, STANDARD_GRAVITY};
 
 /// Gives a motion the unit that is named.
@@ -59,8 +59,16 @@ pub(crate) fn torques(
     let found = watched(&Report { json: false }, quiet, |progress| {
         Loads::least(motion, &load, Watch::new(progress))
     });
-    let found = found.map_err(|no| CliError::Usage(format!("{}: {no}", source(name))))?;
-    Ok(Some(found))
+    found.map(Some).map_err(|no| refused(name, no))
+}
+
+/// Makes the error that a path of this name has no loads.
+fn refused(name: &Path, no: NoLoads) -> CliError {
+    let hint = match no {
+        NoLoads::NoUnit => ": `--unit mm` tells it",
+        _ => "",
+    };
+    CliError::Usage(format!("{}: {no}{hint}", source(name)))
 }
 
 /// Returns the load of a sheet.
@@ -85,7 +93,7 @@ fn load(args: &LoadArgs, areal_density: f64) -> Load {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
-    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
+    let deadline = args.until.deadline()?;
     let mut motion = Input::of(&args.path)?.motion_for("loads")?;
     measured(args.load.reading.get()?, &args.path, &mut motion)?;
     let load = load(&args.load, args.areal_density);
@@ -99,7 +107,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
     });
     let loads = match loads {
         Err(no @ NoLoads::Cancelled) => return out_of_time(&args.path, no, &args.report),
-        loads => loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?,
+        loads => loads.map_err(|no| refused(&args.path, no))?,
     };
     let is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let json = LoadsJson::of(&motion, &loads, &drives);

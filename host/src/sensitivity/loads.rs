@@ -497,8 +497,9 @@ impl<'a> LoadedMotion<'a> {
     fn loads(&self, drivers: &[usize], is_least: bool) -> Loads {
         let torques = self.moments.iter().map(|moment| {
             let solved = moment.torques(drivers);
+            // The sum turns -0 into 0.
             solved.map_or(vec![f64::NAN; drivers.len()], |(solved, _)| {
-                solved.as_slice().to_vec()
+                solved.iter().map(|torque| torque + 0.0).collect()
             })
         });
         let torques: Vec<Vec<f64>> = torques.collect();

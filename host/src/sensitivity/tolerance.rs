@@ -48,6 +48,8 @@ const UPDATES: usize = 2;
 const DAMPING: f64 = 1e-12;
 /// Smallest part of a play that the rest of the sheet resists, of a hinge that holds nothing that the rest does not hold.
 const REDUNDANT: f64 = 1e-6;
+/// Play for each length of error up to which it is rounding.
+const ROUNDING: f64 = 1e-9;
 /// Number of coordinates, of a few vertices, for which play is computed at once.
 const BATCH: usize = 8;
 /// Rows of a condition: turns and shifts.
@@ -130,7 +132,9 @@ pub struct Tolerance {
 #[non_exhaustive]
 pub enum NoTolerance {
     /// No hinge is ever folded by [`FROM_DEG`].
-    #[error("no hinge is folded by {FROM_DEG} degrees at any time")]
+    #[error(
+        "no hinge is folded by {FROM_DEG} degrees at any time, and nearer to flat play is not known to first order"
+    )]
     Flat,
     /// The sheet has too many creases to number their products.
     #[error("the sheet has too many creases")]
@@ -206,10 +210,10 @@ impl Tolerance {
         })
     }
 
-    /// Returns the hinge that needs most play; `None` without hinges.
+    /// Returns the hinge that needs most play; `None` if none needs any.
     #[must_use]
     pub fn worst(&self) -> Option<&HingePlay> {
-        let hinges = self.hinges.iter();
+        let hinges = self.hinges.iter().filter(|hinge| hinge.worst > 0.0);
         hinges.max_by(|a, b| a.worst.total_cmp(&b.worst).then(b.crease.cmp(&a.crease)))
     }
 
@@ -236,8 +240,7 @@ impl Tolerance {
     /// `None` if no error needs any.
     #[must_use]
     pub fn error_for(&self, play: f64) -> Option<f64> {
-        let error = play / self.worst()?.worst;
-        error.is_finite().then_some(error)
+        Some(play / self.worst()?.worst)
     }
 }
 
@@ -392,15 +395,15 @@ impl AtPlace<'_> {
                 }
             }
             WorstPlay {
-                worst: sums[kind],
+                worst: unless_rounding(sums[kind]),
                 kind,
                 place: self.place,
-                expected: largest(squares.iter().map(|sum| (sum / 3.0).sqrt())),
+                expected: unless_rounding(largest(squares.iter().map(|sum| (sum / 3.0).sqrt()))),
             }
         });
         Play {
             hinges: worst.collect(),
-            vertices,
+            vertices: vertices.into_iter().map(unless_rounding).collect(),
         }
     }
 
@@ -444,6 +447,11 @@ impl AtPlace<'_> {
         });
         resisted.collect()
     }
+}
+
+/// Returns a play, or 0 if it is rounding.
+fn unless_rounding(play: f64) -> f64 {
+    if play <= ROUNDING { 0.0 } else { play }
 }
 
 /// Derivatives of a row of a condition by the play and by the fold of a hinge.

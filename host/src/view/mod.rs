@@ -155,7 +155,7 @@ pub struct SceneHingePlay {
     pub worst: f64,
     /// See `worst`.
     pub expected: f64,
-    /// What is largest in the worst case, and its time in seconds.
+    /// The component that is largest in the worst case, and its time in seconds.
     pub kind: &'static str,
     /// See `kind`.
     pub at: f64,

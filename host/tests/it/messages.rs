@@ -632,7 +632,7 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
         ),
         (
             NoTolerance::Flat.to_string(),
-            "no hinge is folded by 10 degrees at any time",
+            "no hinge is folded by 10 degrees at any time, and nearer to flat play is not known to first order",
         ),
         (
             NoTolerance::Open {

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
+from ._answer import Answer
 from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, options, shaped, threads
 from ._error import FoldpathError
 from ._pattern import Pattern, Source, content
@@ -330,34 +331,10 @@ def load(source: Source) -> Motion:
     return Motion(_foldpath.Path.parse("<bytes>", content(source)))
 
 
-class Verdict:
-    """A verdict on a motion."""
+class Verdict(Answer):
+    """A verdict on a motion: the outcome is ``holds``, ``fails`` or ``undecided``."""
 
-    __slots__ = ("_told",)
-    _told: dict[str, Any]
-
-    def __init__(self, told: dict[str, Any]) -> None:
-        self._told = told
-
-    @property
-    def outcome(self) -> str:
-        """``holds``, ``fails`` or ``undecided``."""
-        outcome: str = self._told["outcome"]
-        return outcome
-
-    @property
-    def reason(self) -> str | None:
-        """Why it does not hold."""
-        reason: str | None = self._told["reason"]
-        return reason
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the object of ``foldpath check --json``."""
-        return dict(self._told)
-
-    def __repr__(self) -> str:
-        reason = f": {self.reason}" if self.reason else ""
-        return f"<foldpath.Verdict {self.outcome}{reason}>"
+    __slots__ = ()
 
 
 def check(
@@ -389,7 +366,7 @@ def check(
     motion, jobs = given.pop("motion"), given.pop("jobs")
     if not isinstance(motion, Motion):
         motion = load(motion)
-    return Verdict(json.loads(motion._path.check(options(given), threads(jobs), is_forked())))
+    return Verdict._of(motion._path.check(options(given), threads(jobs), is_forked()))
 
 
 def tolerance(

@@ -9,7 +9,8 @@ const LISTED = 8;
 const playOf = new Map(tolerance.hinges.map(hinge => [hinge.edge, hinge]));
 const mostPlay = of => most([0, ...tolerance.hinges.map(of)]);
 const cuttableEdges = new Set(tolerance.redundant);
-const ranked = tolerance.vertices.slice(0, LISTED);
+const ranking = tolerance.hinges.filter(hinge => hinge.worst > 0).slice(0, LISTED);
+const ranked = tolerance.vertices.filter(vertex => vertex.cost > 0).slice(0, LISTED);
 
 COLOURS.push(...Object.keys(PLAYS));
 view.colours = COLOURS.at(-2);
@@ -74,7 +75,7 @@ renderer = canvas => {
     sheet.draw();
     if (!PLAYS[view.colours]) return;
     const style = ({ vertex, cost }) => {
-      const picked = vertex === view.vertex, width = picked ? 15.9 : 8 + 5 * cost / (ranked[0].cost || 1);
+      const picked = vertex === view.vertex, width = picked ? 15.9 : 8 + 5 * cost / ranked[0].cost;
       return [...rgb(picked ? "--selected" : "--worst").map(x => 255 * x), 16 * width];
     };
     gl.bindVertexArray(marks);
@@ -99,10 +100,11 @@ element("readout").insertAdjacentHTML("afterend", `<section id="tolerance" aria-
     item.textContent = text;
     item.addEventListener("click", () => press(item));
   };
-  box.querySelector("p").textContent = tolerance.error === null ? "No error needs play." :
+  box.querySelector("p").textContent = ranking.length === 0 ? "No error needs play." :
     `Errors of up to ${inLengths(tolerance.error)} in each coordinate of each vertex need play of up to ${playText(mostPlay(hinge => hinge.worst))}, `
-    + `to first order and from the moment that a hinge is folded by ${tolerance.from}°. A turn by a radian counts as much as a shift by ${inLengths(tolerance.radian)}.`;
-  for (const { edge, worst, kind, at } of tolerance.hinges.slice(0, LISTED)) {
+    + `to first order and from the moment that a hinge is folded by ${tolerance.from}°. A turn by a radian counts as much as a shift by ${inLengths(tolerance.radian)}.`
+    + (DEGREE * mostPlay(hinge => hinge.worst) > tolerance.from * tolerance.radian ? " So much play is beyond first order: read it as too much, not as a figure." : "");
+  for (const { edge, worst, kind, at } of ranking) {
     button(hinges, `hinge ${edge}: ${playText(worst)}, ${kind}, at ${at.toFixed(3)} s`, () => {
       setPlaying(false);
       setTime(at);
@@ -116,6 +118,7 @@ element("readout").insertAdjacentHTML("afterend", `<section id="tolerance" aria-
       repaint();
     });
   }
+  for (const title of box.querySelectorAll("h2")) title.hidden = ranking.length === 0;
   const count = tolerance.redundant.length;
   cuttable.textContent = `${count} ${count === 1 ? "hinge that" : "hinges of which each"} may be cut or given any play`;
   cuttable.hidden = count === 0;
