@@ -16,7 +16,8 @@
 //!
 //! The map is solved from J dθ + A s = b, where A is G with its weights: s = Aᵀ λ with A Aᵀ λ + J dθ = b and Jᵀ λ = 0. The
 //! last condition is added to the first by a penalty, so that one sparse matrix A Aᵀ + ρ J Jᵀ is positive definite, and is met
-//! by a few updates of dθ (method of multipliers, Hestenes 1969).
+//! by a few updates of dθ (method of multipliers, Hestenes 1969), which correct a small damping as well (proximal point method,
+//! Rockafellar 1976).
 
 use core::time::Duration;
 use std::collections::BTreeSet;
@@ -44,7 +45,8 @@ pub const FROM_DEG: f64 = 10.0;
 const PENALTY: f64 = 1e8;
 /// Number of updates of the multipliers. Each reduces Jᵀ λ by the penalty times the square of a singular value of J.
 const UPDATES: usize = 2;
-/// Damping over the largest diagonal entry without the penalty: conditions that neither folds nor play change get no force.
+/// Damping over the largest square of an entry, the penalty included: conditions that neither folds nor play change get no
+/// force. The updates take its effect away.
 const DAMPING: f64 = 1e-12;
 /// Smallest part of a play that the rest of the sheet resists, of a hinge that holds nothing that the rest does not hold.
 const REDUNDANT: f64 = 1e-6;
@@ -493,6 +495,7 @@ struct Solver<'s> {
     hinges: &'s [Vec<(usize, Entry)>],
     factor: Factor,
     penalty: f64,
+    damping: f64,
 }
 
 impl<'s> Solver<'s> {
@@ -507,7 +510,9 @@ impl<'s> Solver<'s> {
         for (hinge, entries) in hinges.iter().enumerate() {
             gram.add(hinge, entries, product, &mut values);
         }
-        let damping = DAMPING * gram.max_diagonal(&values);
+        // A hinge that a loop crosses twice cancels in the sums, which then are rounding.
+        let squares = hinges.iter().flatten().map(|entry| product(entry, entry));
+        let damping = DAMPING * squares.fold(f64::MIN_POSITIVE, f64::max);
         let mut factor = Factor::new(&gram.symbolic);
         let made = gram
             .symbolic
@@ -517,6 +522,7 @@ impl<'s> Solver<'s> {
             hinges,
             factor,
             penalty,
+            damping,
         })
     }
 
@@ -530,7 +536,12 @@ impl<'s> Solver<'s> {
         let right_sides = forces.to_vec();
         let mut folds = vec![[0.0; N]; self.hinges.len()];
         for update in 0..UPDATES {
-            forces.copy_from_slice(&right_sides);
+            if update > 0 {
+                let damped = forces.as_flattened_mut().iter_mut();
+                damped
+                    .zip(right_sides.as_flattened())
+                    .for_each(|(force, b)| *force = b + self.damping * *force);
+            }
             for (entries, folds) in self.hinges.iter().zip(&folds) {
                 for (row, entry) in entries {
                     for (force, fold) in forces[*row].iter_mut().zip(folds) {
