@@ -234,6 +234,7 @@ def test_page_and_curves_have_play_and_torques_if_they_are_asked_for(
         (lambda: motion.plot(spring=1.0), "spring: expected with areal_density"),
         (lambda: motion.page(areal_density=-1.0), "areal_density: expected a number from 0"),
         (lambda: motion.page(areal_density=1.0), "unit of length"),
+        (lambda: motion.plot(areal_density=1.0, gravity=(0.0, 1.0)), "gravity: expected the shape"),
         (lambda: motion.page(error=0.0), "error: expected a number above 0"),
         (lambda: motion.page(error=1.0, play=1.0), "expected one of error and play"),
     ):

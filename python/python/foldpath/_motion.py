@@ -439,11 +439,10 @@ def _load(
         single = [(int(edge), float(stiffness[edge])) for edge in np.flatnonzero(~np.isnan(stiffness))]
     else:
         everywhere = float(spring)  # type: ignore[arg-type]
-    x, y, z = gravity
     return {
         "areal_density": float(areal_density),
         "fixed": fixed,
-        "gravity": (float(x), float(y), float(z)),
+        "gravity": shaped(gravity, "gravity", (3,)).tolist(),
         "spring": everywhere,
         "springs": single,
         "unit": unit,
