@@ -85,6 +85,8 @@ impl Asked<'_> {
         let vertices = coordinates.chunks_exact(2);
         let vertices: Vec<_> = vertices.map(|at| Vector2::new(at[0], at[1])).collect();
         let drivers: Vec<f64> = from_bytes(drivers).collect();
+        check_finite(py, "vertices", coordinates.iter().copied())?;
+        check_finite(py, "drivers", drivers.iter().copied())?;
         let rates = self.at(py, None, |at| {
             let vertices = vertices.chunks_exact(self.pattern.vertices().len());
             // Without drivers there is one list of none for each change.
@@ -112,6 +114,15 @@ impl Asked<'_> {
     ) -> PyResult<Two<'py>> {
         let by_edges: Vec<f64> = from_bytes(by_angles).collect();
         let by_places: Vec<f64> = from_bytes(by_vertices).collect();
+        let hinges = self
+            .pattern
+            .edges()
+            .iter()
+            .map(|edge| edge.crease.is_some());
+        let by_hinges = by_edges.iter().zip(hinges.cycle());
+        let by_hinges = by_hinges.filter(|(_, is_hinge)| *is_hinge);
+        check_finite(py, "angles", by_hinges.map(|(by, _)| *by))?;
+        check_finite(py, "vertices", by_places.iter().copied())?;
         let by_places = by_places.chunks_exact(3);
         let by_places: Vec<_> = by_places
             .map(|by| Vector3::new(by[0], by[1], by[2]))
@@ -130,6 +141,21 @@ impl Asked<'_> {
         let vertices = vertices.flat_map(|by| [by.x, by.y]);
         let drivers = gradients.iter().flat_map(|it| it.drivers.iter().copied());
         Ok((numbers(py, vertices), numbers(py, drivers)))
+    }
+}
+
+/// Checks that all numbers of an argument are finite.
+fn check_finite(
+    py: Python<'_>,
+    name: &str,
+    mut numbers: impl Iterator<Item = f64>,
+) -> PyResult<()> {
+    match numbers.find(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(found) => {
+            let text = format!("{name}: expected finite numbers, found {found}");
+            Err(usage(py, text))
+        }
     }
 }
 

@@ -179,17 +179,49 @@ impl Path {
         py.detach(|| motion_text(&self.motion))
     }
 
-    /// The interactive page.
-    fn page(&self, py: Python<'_>) -> String {
-        py.detach(|| page(&Scene::of_path(&self.motion)))
+    /// The interactive page, with play if an error or a play is given, and with the torques of a load.
+    fn page(
+        &self,
+        py: Python<'_>,
+        error: Option<f64>,
+        play: Option<f64>,
+        load: Option<Loading>,
+        is_forked: bool,
+    ) -> PyResult<String> {
+        let scale = match (error, play) {
+            (None, None) => None,
+            (error, play) => Some(Scale::of(py, error, play)?),
+        };
+        let (motion, load) = self.loaded(py, load)?;
+        let made = waiting(py, Threads::of(None, is_forked), move |progress| {
+            let watch = Watch::new(progress);
+            let mut scene = Scene::of_path(&motion);
+            if let Some(scale) = scale {
+                let tolerance = Tolerance::of(&motion, watch).map_err(|no| no.to_string())?;
+                scene = scene.with_tolerance(&motion, &tolerance, scale.error(&tolerance));
+            }
+            if let Some(load) = &load {
+                let loads = Loads::least(&motion, load, watch).map_err(|no| no.to_string())?;
+                scene = scene.with_torques(&motion, &loads);
+            }
+            Ok(page(&scene))
+        })?;
+        made.map_err(|text| self.refused(py, text))
     }
 
-    /// A drawing of the curves of the motion, as SVG.
-    fn plot(&self, py: Python<'_>) -> PyResult<String> {
-        let motion = Arc::clone(&self.motion);
-        waiting(py, Threads::Some(1), move |progress| {
-            svg(&Curves::of_path_watched(&motion, progress))
-        })
+    /// A drawing of the curves of the motion, as SVG, with the torques of a load.
+    fn plot(&self, py: Python<'_>, load: Option<Loading>, is_forked: bool) -> PyResult<String> {
+        let (motion, load) = self.loaded(py, load)?;
+        let made = waiting(py, Threads::of(None, is_forked), move |progress| {
+            let mut curves = Curves::of_path_watched(&motion, progress);
+            if let Some(load) = &load {
+                let watch = Watch::new(progress);
+                let loads = Loads::least(&motion, load, watch).map_err(|no| no.to_string())?;
+                curves = curves.with_torques(&motion, &loads);
+            }
+            Ok(svg(&curves))
+        })?;
+        made.map_err(|text| self.refused(py, text))
     }
 
     /// Exports the motion. `arguments` are those of `foldpath export`.
@@ -252,32 +284,16 @@ impl Path {
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
-        let given = [("error", error), ("play", play)];
-        let mut given = given
-            .into_iter()
-            .filter_map(|(name, value)| Some((name, value?)));
-        let (Some((name, value)), None) = (given.next(), given.next()) else {
-            return Err(usage(py, "expected one of error and play".into()));
-        };
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(usage(
-                py,
-                format!("{name}: expected a number above 0, found {value}"),
-            ));
-        }
+        let scale = Scale::of(py, error, play)?;
         let deadline = deadline(py, seconds)?;
         let motion = Arc::clone(&self.motion);
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
             let watch = Watch::new(progress).until(deadline);
             let tolerance = Tolerance::of(&motion, watch).map_err(|no| no.to_string())?;
-            let error = match name {
-                "error" => Some(value),
-                _ => Some(tolerance.error_for(value)).filter(|error| error.is_finite()),
-            };
-            let json = ToleranceJson::of(&motion, &tolerance, error);
+            let json = ToleranceJson::of(&motion, &tolerance, scale.error(&tolerance));
             Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
         })?;
-        found.map_err(|text| usage(py, format!("{}: {text}", self.name.display())))
+        found.map_err(|text| self.refused(py, text))
     }
 
     /// The JSON of `foldpath loads`.
@@ -288,29 +304,13 @@ impl Path {
     fn loads(
         &self,
         py: Python<'_>,
-        areal_density: f64,
-        fixed: Option<u32>,
-        gravity: [f64; 3],
-        spring: f64,
-        springs: Vec<(u32, f64)>,
+        load: Loading,
         drivers: Option<usize>,
         drives: Vec<(String, f64, f64)>,
-        unit: Option<String>,
         seconds: Option<f64>,
         jobs: Option<usize>,
         is_forked: bool,
     ) -> PyResult<String> {
-        let not_negative = [("areal_density", areal_density), ("spring", spring)].into_iter();
-        let single = springs.iter().map(|(_, stiffness)| ("spring", *stiffness));
-        for (name, value) in not_negative.chain(single) {
-            if !(value >= 0.0 && value.is_finite()) {
-                let text = format!("{name}: expected a number from 0, found {value}");
-                return Err(usage(py, text));
-            }
-        }
-        if !gravity.iter().all(|part| part.is_finite()) {
-            return Err(usage(py, "gravity: expected three finite numbers".into()));
-        }
         let drives = drives
             .into_iter()
             .map(|(name, stall_torque, degrees)| Drive {
@@ -328,24 +328,7 @@ impl Path {
                 "drives: expected torques and speeds above 0".into(),
             ));
         }
-        let mut motion = Motion::clone(&self.motion);
-        if let Some(name) = unit {
-            let told = Unit::from_name(&name);
-            let told = told.ok_or_else(|| usage(py, format!("unit: {name} is none")))?;
-            check_unit(&self.name, motion.pattern.unit(), told)
-                .map_err(|refused| error(py, refused))?;
-            motion.measured_in(told);
-        }
-        let load = Load {
-            areal_density,
-            fixed: fixed.map(FaceId),
-            gravity: gravity.into(),
-            spring,
-            springs: springs
-                .into_iter()
-                .map(|(edge, stiffness)| (EdgeId(edge), stiffness))
-                .collect(),
-        };
+        let (motion, load) = load.of(py, self)?;
         let deadline = deadline(py, seconds)?;
         let found = waiting(py, Threads::of(jobs, is_forked), move |progress| {
             let watch = Watch::new(progress).until(deadline);
@@ -354,11 +337,114 @@ impl Path {
             let json = LoadsJson::of(&motion, &loads, &drives);
             Ok::<_, String>(serde_json::to_string(&json).unwrap_or_default())
         })?;
-        found.map_err(|text| usage(py, format!("{}: {text}", self.name.display())))
+        found.map_err(|text| self.refused(py, text))
+    }
+}
+
+/// The load of a sheet, as `_load` in Python makes it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Loading {
+    areal_density: f64,
+    fixed: Option<u32>,
+    gravity: [f64; 3],
+    /// Stiffness of the spring in each hinge, and of those at single edges.
+    spring: f64,
+    springs: Vec<(u32, f64)>,
+    unit: Option<String>,
+}
+
+impl Loading {
+    /// Returns the load, and the motion in the unit that is named.
+    fn of(self, py: Python<'_>, path: &Path) -> PyResult<(Motion, Load)> {
+        let all = [
+            ("areal_density", self.areal_density),
+            ("spring", self.spring),
+        ];
+        let single = self
+            .springs
+            .iter()
+            .map(|(_, stiffness)| ("spring", *stiffness));
+        for (name, value) in all.into_iter().chain(single) {
+            if !(value >= 0.0 && value.is_finite()) {
+                let text = format!("{name}: expected a number from 0, found {value}");
+                return Err(usage(py, text));
+            }
+        }
+        if !self.gravity.iter().all(|part| part.is_finite()) {
+            return Err(usage(py, "gravity: expected three finite numbers".into()));
+        }
+        let mut motion = Motion::clone(&path.motion);
+        if let Some(name) = self.unit {
+            let told = Unit::from_name(&name);
+            let told = told.ok_or_else(|| usage(py, format!("unit: {name} is none")))?;
+            check_unit(&path.name, motion.pattern.unit(), told)
+                .map_err(|refused| error(py, refused))?;
+            motion.measured_in(told);
+        }
+        let springs = self.springs.into_iter();
+        let load = Load {
+            areal_density: self.areal_density,
+            fixed: self.fixed.map(FaceId),
+            gravity: self.gravity.into(),
+            spring: self.spring,
+            springs: springs
+                .map(|(edge, stiffness)| (EdgeId(edge), stiffness))
+                .collect(),
+        };
+        Ok((motion, load))
+    }
+}
+
+/// The error of a sheet, or the play that its hinges have.
+#[derive(Clone, Copy)]
+enum Scale {
+    Error(f64),
+    Play(f64),
+}
+
+impl Scale {
+    fn of(py: Python<'_>, error: Option<f64>, play: Option<f64>) -> PyResult<Self> {
+        let (name, value, scale) = match (error, play) {
+            (Some(error), None) => ("error", error, Self::Error(error)),
+            (None, Some(play)) => ("play", play, Self::Play(play)),
+            _ => return Err(usage(py, "expected one of error and play".into())),
+        };
+        if value > 0.0 && value.is_finite() {
+            return Ok(scale);
+        }
+        let text = format!("{name}: expected a number above 0, found {value}");
+        Err(usage(py, text))
+    }
+
+    /// Returns the error that is named, or that a play allows; `None` if no error needs play.
+    fn error(self, tolerance: &Tolerance) -> Option<f64> {
+        match self {
+            Self::Error(error) => Some(error),
+            Self::Play(play) => tolerance.error_for(play),
+        }
     }
 }
 
 impl Path {
+    /// Returns a load, if one is given, and the motion that carries it.
+    fn loaded(
+        &self,
+        py: Python<'_>,
+        load: Option<Loading>,
+    ) -> PyResult<(Arc<Motion>, Option<Load>)> {
+        let Some(load) = load else {
+            return Ok((Arc::clone(&self.motion), None));
+        };
+        let (motion, load) = load.of(py, self)?;
+        Ok((Arc::new(motion), Some(load)))
+    }
+
+    /// Makes the error that a question has no answer.
+    fn refused(&self, py: Python<'_>, text: String) -> PyErr {
+        usage(py, format!("{}: {text}", self.name.display()))
+    }
+
     /// The configuration at a time whose derivatives are asked for.
     fn asked(&self, py: Python<'_>, time: f64) -> PyResult<Asked<'_>> {
         if !time.is_finite() {

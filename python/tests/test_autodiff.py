@@ -161,6 +161,43 @@ def test_torch_has_the_derivatives(motion: fp.Motion, change: np.ndarray, turned
     assert single.grad.dtype == torch.float32
 
 
+def test_torch_func_has_the_same_derivatives(motion: fp.Motion, change: np.ndarray, turned_sheet: fp.Pattern) -> None:
+    torch = pytest.importorskip("torch")
+    folded, func = Folded(motion, TIME), torch.func
+    by_angles, by_places = (torch.tensor(by) for by in weights(motion))
+    flat, start = torch.tensor(folded.flat), torch.tensor(folded.angles[folded.drivers])
+
+    def fold(flat: Any, driven: Any) -> Any:
+        return fp.torch.fold(motion, TIME, flat, driven)
+
+    def number(flat: Any, driven: Any) -> Any:
+        angles, places = fold(flat, driven)
+        return torch.nansum(by_angles * angles) + (by_places * places).sum()
+
+    given = [at.clone().requires_grad_() for at in (flat, start)]
+    number(*given).backward()
+    for found in (func.grad(number, argnums=(0, 1))(flat, start), func.vjp(number, flat, start)[1](torch.tensor(1.0))):
+        assert all(torch.allclose(by, at.grad, atol=1e-12) for by, at in zip(found, given))
+    _, rate = func.jvp(number, (flat, start), (torch.tensor(change), torch.full_like(start, 0.3)))
+    assert abs(float(rate - (given[0].grad * torch.tensor(change)).sum() - 0.3 * given[1].grad[0])) < 1e-8
+    # A batch has the sheets, and the gradients, of its parts.
+    sheets = torch.stack([torch.tensor(sheet(angle).vertices) for angle in (60, 60.1)])
+    places = func.vmap(fold, (0, None))(sheets, start)[1]
+    assert torch.equal(places, torch.stack([fold(part, start)[1] for part in sheets]))
+    gradients = func.vmap(func.grad(number), (0, None))(sheets, start)
+    assert torch.equal(gradients, torch.stack([func.grad(number)(part, start) for part in sheets]))
+
+    def closed(angles: Any, flat: Any) -> Any:
+        return fp.torch.closure(turned_sheet, angles, flat)
+
+    angles = torch.tensor(np.nan_to_num(motion.at(TIME)) + 0.01)
+    for jacobian in (func.jacrev(closed), func.jacfwd(closed)):
+        rows = jacobian(angles, torch.tensor(turned_sheet.vertices)).reshape(-1, len(angles))
+        assert np.abs(rows.numpy() - fp.closure(turned_sheet, angles.numpy())[1].toarray()).max() < 1e-12
+    with pytest.raises(fp.FoldpathError, match="second derivatives are not known"):
+        func.hessian(lambda driven: number(flat, driven))(start)
+
+
 def test_jax_has_the_derivatives(motion: fp.Motion, change: np.ndarray) -> None:
     jax = pytest.importorskip("jax")
     jax.config.update("jax_enable_x64", True)

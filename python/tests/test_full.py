@@ -16,25 +16,16 @@ pytestmark = pytest.mark.full
 HERE = Path(__file__).parents[1]
 
 
-def test_the_guide_runs_from_start_to_end() -> None:
+@pytest.mark.parametrize(("name", "drawn"), [("guide", 3), ("fit", 1)])
+def test_a_notebook_runs_from_start_to_end(name: str, drawn: int) -> None:
     nbformat = pytest.importorskip("nbformat")
     nbclient = pytest.importorskip("nbclient")
-    notebook = nbformat.read(HERE / "guide.ipynb", as_version=4)
+    notebook = nbformat.read(HERE / f"{name}.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     pages = [output for output in outputs if "<iframe" in str(output.get("data", {}).get("text/html"))]
     pictures = [output for output in outputs if "image/png" in output.get("data", {})]
-    assert len(pages) == 1 and len(pictures) == 3
-
-
-def test_the_fit_runs_from_start_to_end() -> None:
-    nbformat = pytest.importorskip("nbformat")
-    nbclient = pytest.importorskip("nbclient")
-    notebook = nbformat.read(HERE / "fit.ipynb", as_version=4)
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
-    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-    assert sum("image/png" in output.get("data", {}) for output in outputs) == 1
-    assert sum("<iframe" in str(output.get("data", {}).get("text/html")) for output in outputs) == 1
+    assert len(pages) == 1 and len(pictures) == drawn
 
 
 def test_a_wheel_installs_where_there_is_no_rust(tmp_path: Path) -> None:

@@ -214,6 +214,34 @@ def test_curves_are_those_of_the_command(
     assert motion.plot() == plot.read_text()
 
 
+def test_page_and_curves_have_play_and_torques_if_they_are_asked_for(
+    loaded: tuple[fp.Motion, Path], command: Command, tmp_path: Path
+) -> None:
+    (motion, path), made = loaded, tmp_path / "made.svg"
+    hinge = int(motion.hinges[0])
+    load: dict[str, Any] = {"areal_density": 0.8, "unit": "mm", "spring": {hinge: 0.02}, "gravity": (0.0, -9.81, 0.0)}
+    flags = "--areal-density=0.8", "--unit=mm", f"--spring={hinge}=0.02", "--gravity=0,-9.81,0"
+    assert command("plot", path, "-o", made, *flags).status == 0
+    assert motion.plot(**load) == made.read_text() != motion.plot()
+    motion.save_plot(tmp_path / "python.svg", **load)
+    assert (tmp_path / "python.svg").read_text() == made.read_text()
+    assert command("view", path, "-o", made, "--error=0.001", *flags).status == 0
+    assert motion.page(error=0.001, **load) == made.read_text()
+    assert command("view", path, "-o", made, "--play=0.001").status == 0
+    motion.save_page(tmp_path / "python.html", play=0.001)
+    assert (tmp_path / "python.html").read_text() == made.read_text() != motion.page()
+    for call, text in (
+        (lambda: motion.plot(spring=1.0), "spring: expected with areal_density"),
+        (lambda: motion.page(areal_density=-1.0), "areal_density: expected a number from 0"),
+        (lambda: motion.page(areal_density=1.0), "unit of length"),
+        (lambda: motion.plot(areal_density=1.0, gravity=(0.0, 1.0)), "gravity: expected the shape"),
+        (lambda: motion.page(error=0.0), "error: expected a number above 0"),
+        (lambda: motion.page(error=1.0, play=1.0), "expected one of error and play"),
+    ):
+        with pytest.raises(fp.FoldpathError, match=text):
+            call()
+
+
 def test_rates_by_a_driver_are_those_of_the_motion(motion: fp.Motion) -> None:
     time, step = 0.6 * motion.duration, 1e-5
     (driver,) = motion.drivers(time)
@@ -270,6 +298,21 @@ def test_derivatives_that_do_not_exist_are_refused(motion: fp.Motion) -> None:
     figures = r"does not fold: of its effect on closure, \d\.\de-?\d+ radians, \d\.\de-?\d+ are left"
     with pytest.raises(fp.FoldpathError, match=figures):
         motion.jvp(0.6 * motion.duration, vertices=broken)
+    # A number that is none is refused, but for edges that are no hinge.
+    time = 0.6 * motion.duration
+    for call, name in (
+        (lambda: motion.jvp(time, vertices=np.full((count, 2), np.nan)), "vertices"),
+        (lambda: motion.jvp(time, drivers=[np.inf]), "drivers"),
+        (lambda: motion.vjp(time, angles=np.full(len(motion.edges), np.nan)), "angles"),
+        (lambda: motion.vjp(time, vertices=np.full((count, 3), np.inf)), "vertices"),
+    ):
+        with pytest.raises(fp.FoldpathError, match=f"{name}: expected finite numbers, found"):
+            call()
+    assert np.isfinite(motion.vjp(time, angles=motion.at(time))[0]).all()
+    # Changes of any size are refused, or have rates in proportion.
+    for size in (1e-200, 1e200):
+        with pytest.raises(fp.FoldpathError, match="does not fold"):
+            motion.jvp(time, vertices=broken * size)
     with pytest.raises(fp.FoldpathError, match="vertices: expected the shape"):
         motion.jvp(0.6 * motion.duration, vertices=[0.0])
     with pytest.raises(fp.FoldpathError, match="finite"):

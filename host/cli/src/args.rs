@@ -2,6 +2,7 @@
 //! that users read.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -12,7 +13,9 @@ use crate::jobs::Jobs;
 use crate::options::{FamilyArgs, Options, examples, formats};
 use crate::values::{Gravity, Seeded, Shard, Spring, Target, above_zero, zero_or_above};
 use foldpath::export::Format;
-use foldpath::request::{CheckRequest, ExportRequest, PlanRequest, ReadingRequest, UnfoldRequest};
+use foldpath::request::{
+    CheckRequest, ExportRequest, PlanRequest, ReadingRequest, RequestError, UnfoldRequest, timeout,
+};
 
 /// Plans how a flat sheet with many hinges folds into a goal shape.
 ///
@@ -79,10 +82,10 @@ pub(crate) enum Command {
     /// within 6e-6 degrees, or to within four times the largest angle defect that --max-defect accepts.
     Unfold(Unfold),
     /// Write one self-contained page that shows a path, or a crease pattern with the numbers of its edges
-    #[command(after_help = examples(["view path.fold -o path.html", "view miura.fold -o miura.html"]))]
-    #[command(mut_arg("path", |path| path.help("Path, a FOLD animation; or any crease pattern")))]
-    #[command(mut_arg("output", |output| output.help("Page to write, an HTML file")))]
-    View(Shown),
+    ///
+    /// With --error or --play, hinges are coloured by the play that they need, as `foldpath tolerance` tells it, and the vertices
+    /// that matter most are marked. With --areal-density the page has curves of the torques that `foldpath loads` tells.
+    View(View),
     /// Draw curves of fold angles, errors, clearance and torques along a path
     Plot(Plot),
     /// Export a path for a controller, a spreadsheet or a renderer, or its pattern as a drawing
@@ -171,9 +174,8 @@ pub(crate) struct Info {
     /// then the list instead of the number of edges.
     #[arg(long)]
     pub(crate) edges: bool,
-    /// Stop searching for crease groups and foreseeing whether it folds after this time, seconds [default: no limit]
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) until: Until,
     #[command(flatten)]
     pub(crate) reading: Options<ReadingRequest>,
     #[command(flatten)]
@@ -243,6 +245,26 @@ pub(crate) struct Batch {
     pub(crate) worker: bool,
 }
 
+/// The time that a command has.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Until {
+    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
+    ///
+    /// The answer has what was found by then.
+    #[arg(long, value_name = "SECONDS")]
+    timeout: Option<f64>,
+}
+
+impl Until {
+    /// Returns the end of the time that begins now.
+    ///
+    /// # Errors
+    /// If the time is none.
+    pub(crate) fn deadline(self) -> Result<Option<Instant>, RequestError> {
+        Ok(timeout(self.timeout)?.and_then(|time| Instant::now().checked_add(time)))
+    }
+}
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Report {
     /// Print the answer as one JSON object on stdout
@@ -290,24 +312,31 @@ pub(crate) struct Check {
 }
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("scale").required(true).args(["error", "play"]))]
+#[command(mut_group("scale", |scale| scale.required(true)))]
 #[command(after_help = examples(["tolerance path.fold --error 0.001", "tolerance path.fold --play 0.002 --json"]))]
 pub(crate) struct Tolerance {
     /// Path, a FOLD animation
     pub(crate) path: PathBuf,
+    #[command(flatten)]
+    pub(crate) scale: Scale,
+    #[command(flatten)]
+    pub(crate) until: Until,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
+    #[command(flatten)]
+    pub(crate) report: Report,
+}
+
+/// The error of a sheet, or the play that its hinges have.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(id = "scale", multiple = false)]
+pub(crate) struct Scale {
     /// Largest error of each coordinate of each vertex, in the file's unit
     #[arg(long, value_name = "E", value_parser = above_zero)]
     pub(crate) error: Option<f64>,
     /// Largest play of a hinge, in the file's unit: tells the error that it allows
     #[arg(long, value_name = "P", value_parser = above_zero)]
     pub(crate) play: Option<f64>,
-    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
-    #[command(flatten)]
-    pub(crate) jobs: Jobs,
-    #[command(flatten)]
-    pub(crate) report: Report,
 }
 
 #[derive(Debug, Args)]
@@ -330,11 +359,8 @@ pub(crate) struct Loads {
     /// More drivers share the load so that the sum of the squares of their torques is least.
     #[arg(long, value_name = "N")]
     pub(crate) drivers: Option<usize>,
-    /// Stop after this time, seconds, counted from the start of the command [default: no limit]
-    ///
-    /// The best set of drivers that was found by then is told.
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) until: Until,
     /// Table of drives, a line NAME,STALL_TORQUE_NM,SPEED_DEG_PER_S for each: tells which fit
     #[arg(long, value_name = "FILE")]
     pub(crate) drives: Option<PathBuf>,
@@ -380,6 +406,13 @@ pub(crate) struct Plot {
     /// Picture to write, an SVG or PNG file by its ending .svg or .png
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) torques: Torques,
+}
+
+/// Torques that are drawn for those who ask.
+#[derive(Debug, Args)]
+pub(crate) struct Torques {
     /// Draw the torques of the drivers as well, as loads tells them: mass of the panels, kilograms per square metre
     #[arg(long, value_name = "KG_PER_M2", value_parser = zero_or_above)]
     pub(crate) areal_density: Option<f64>,
@@ -388,11 +421,23 @@ pub(crate) struct Plot {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct Shown {
-    /// Path, a FOLD animation
+#[command(allow_negative_numbers = true)]
+#[command(after_help = examples([
+    "view path.fold -o path.html",
+    "view path.fold --error 0.001 -o play.html",
+    "view path.fold --areal-density 0.8 --unit mm -o torques.html",
+    "view miura.fold -o miura.html",
+]))]
+pub(crate) struct View {
+    /// Path, a FOLD animation; or any crease pattern
     pub(crate) path: PathBuf,
+    /// Page to write, an HTML file
     #[arg(short, long)]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) scale: Scale,
+    #[command(flatten)]
+    pub(crate) torques: Torques,
 }
 
 #[derive(Debug, Args)]

@@ -1,7 +1,5 @@
 //! Runs `foldpath info`, which describes a crease pattern.
 
-use std::time::Instant;
-
 use crate::args::Info;
 use crate::report::lost_lines;
 use crate::standard::Input;
@@ -10,10 +8,10 @@ use foldpath::folding::DEFAULT_BOUND;
 use foldpath::planner::CLOSED;
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
-use foldpath::request::{EdgeInfo, EdgesInfo, PatternInfo, Request, radians_hint, timeout};
+use foldpath::request::{EdgeInfo, EdgesInfo, PatternInfo, Request, radians_hint};
 
 pub(crate) fn run(args: &Info, quiet: bool) -> Answer {
-    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
+    let deadline = args.until.deadline()?;
     let watch = Watch::default().until(deadline);
     let options = args.reading.get()?.options()?;
     let input = Input::of(&args.pattern)?;

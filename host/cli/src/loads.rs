@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use crate::args::{LoadArgs, Loads as Args};
+use crate::args::{LoadArgs, Loads as Args, Report, Torques};
 use crate::progress::watched;
 use crate::report::{out_of_time, outcome};
 use crate::standard::{Input, source};
@@ -13,33 +13,67 @@ use foldpath::motion::Motion;
 use foldpath::pattern::{EdgeId, FaceId};
 use foldpath::progress::Watch;
 use foldpath::read::check_unit;
-use foldpath::request::{LoadsJson, ReadingRequest, Request, timeout};
+use foldpath::request::{LoadsJson, ReadingRequest, Request};
 use foldpath::sensitivity::{Load, Loads, NoLoads, STANDARD_GRAVITY};
 
-/// Returns the load of a sheet, whose motion gets the unit that is named.
+/// Gives a motion the unit that is named.
 ///
 /// # Errors
 /// If the file of this name has another unit, or an option is one of drawings.
-pub(crate) fn load(
-    args: &LoadArgs,
-    areal_density: f64,
+pub(crate) fn measured(
+    reading: &ReadingRequest,
     name: &Path,
     motion: &mut Motion,
-) -> Result<Load, CliError> {
-    let reading = args.reading.get()?;
+) -> Result<(), CliError> {
     let without_unit = ReadingRequest {
         unit: None,
         ..reading.clone()
     };
     if without_unit != ReadingRequest::default() {
-        let text = "--tolerance, --straighten, --colors, --layers and --dashes: loads reads a path, not a drawing";
-        return Err(CliError::Usage(text.into()));
+        return Err(CliError::Usage(format!(
+            "--tolerance, --straighten, --colors, --layers and --dashes: expected a drawing, found the path {}",
+            source(name)
+        )));
     }
     if let Some(unit) = reading.options()?.unit {
         check_unit(Path::new(&*source(name)), motion.pattern.unit(), unit)?;
         motion.measured_in(unit);
     }
-    Ok(Load {
+    Ok(())
+}
+
+/// Returns the torques that are to be drawn for a motion of this name; `None` if nobody asks.
+///
+/// # Errors
+/// If there are none.
+pub(crate) fn torques(
+    args: &Torques,
+    name: &Path,
+    motion: &Motion,
+    quiet: bool,
+) -> Result<Option<Loads>, CliError> {
+    let Some(density) = args.areal_density else {
+        return Ok(None);
+    };
+    let load = load(&args.load, density);
+    let found = watched(&Report { json: false }, quiet, |progress| {
+        Loads::least(motion, &load, Watch::new(progress))
+    });
+    found.map(Some).map_err(|no| refused(name, no))
+}
+
+/// Makes the error that a path of this name has no loads.
+fn refused(name: &Path, no: NoLoads) -> CliError {
+    let hint = match no {
+        NoLoads::NoUnit => ": `--unit mm` tells it",
+        _ => "",
+    };
+    CliError::Usage(format!("{}: {no}{hint}", source(name)))
+}
+
+/// Returns the load of a sheet.
+fn load(args: &LoadArgs, areal_density: f64) -> Load {
+    Load {
         areal_density,
         fixed: args.fixed.map(FaceId),
         gravity: args
@@ -55,13 +89,14 @@ pub(crate) fn load(
             .iter()
             .filter_map(|spring| Some((EdgeId(spring.edge?), spring.stiffness)))
             .collect(),
-    })
+    }
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
-    let deadline = timeout(args.timeout)?.and_then(|time| Instant::now().checked_add(time));
+    let deadline = args.until.deadline()?;
     let mut motion = Input::of(&args.path)?.motion_for("loads")?;
-    let load = load(&args.load, args.areal_density, &args.path, &mut motion)?;
+    measured(args.load.reading.get()?, &args.path, &mut motion)?;
+    let load = load(&args.load, args.areal_density);
     let drives = match &args.drives {
         Some(file) => Input::of(file)?.drives()?,
         None => Vec::new(),
@@ -72,7 +107,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Answer {
     });
     let loads = match loads {
         Err(no @ NoLoads::Cancelled) => return out_of_time(&args.path, no, &args.report),
-        loads => loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?,
+        loads => loads.map_err(|no| refused(&args.path, no))?,
     };
     let is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let json = LoadsJson::of(&motion, &loads, &drives);

@@ -2,14 +2,12 @@
 
 use crate::args::Plot;
 use crate::fonts::Font;
-use crate::loads::load;
+use crate::loads::{measured, torques};
 use crate::output::write_whole;
 use crate::png::png;
-use crate::standard::{Input, is_standard, print_summary, shown, source};
+use crate::standard::{Input, is_standard, print_summary, shown};
 use crate::{Answer, CliError, check_output};
 use foldpath::plot::{Curves, svg};
-use foldpath::progress::Watch;
-use foldpath::sensitivity::Loads;
 
 pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
     let output = shown(&args.output);
@@ -22,14 +20,8 @@ pub(crate) fn run(args: &Plot, quiet: bool) -> Answer {
     }
     check_output("-o", &args.output, [&args.path])?;
     let mut path = Input::of(&args.path)?.motion_for("plot")?;
-    let loads = match args.areal_density {
-        Some(density) => {
-            let load = load(&args.load, density, &args.path, &mut path)?;
-            let loads = Loads::least(&path, &load, Watch::default());
-            Some(loads.map_err(|no| CliError::Usage(format!("{}: {no}", source(&args.path))))?)
-        }
-        None => None,
-    };
+    measured(args.torques.load.reading.get()?, &args.path, &mut path)?;
+    let loads = torques(&args.torques, &args.path, &path, quiet)?;
     let curves = Curves::of_path(&path);
     let curves = match &loads {
         Some(loads) => curves.with_torques(&path, loads),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-use crate::args::{Command, Plot, Shown};
+use crate::args::{Command, Plot, View};
 use crate::{CliError, print, say};
 use foldpath::export::fold::pattern_text;
 use foldpath::motion::Motion;
@@ -330,7 +330,7 @@ fn files(command: &Command) -> (Files<'_>, Files<'_>) {
             )
         }
         Command::Unfold(args) => (vec![("SHAPE", &args.shape)], vec![("-o", &args.output)]),
-        Command::View(Shown { path, output }) | Command::Plot(Plot { path, output, .. }) => {
+        Command::View(View { path, output, .. }) | Command::Plot(Plot { path, output, .. }) => {
             (vec![("PATH", path)], vec![("-o", output)])
         }
         Command::Export(args) => (vec![("PATH", &args.path)], vec![("-o", &args.output)]),

@@ -92,7 +92,7 @@ pub struct Factor {
     below: Vec<f64>,
     /// Reciprocals of the diagonal entries.
     reciprocals: Vec<f64>,
-    /// The row that is being computed, or the right side that is being solved. Zero between factorisations.
+    /// The row that is being computed, or the right sides that are being solved.
     row: Vec<f64>,
     /// For each column, the place in `below` of its next entry.
     next: Vec<usize>,
@@ -328,28 +328,47 @@ impl Symbolic {
 
     /// Replaces the right side b by the solution x of A x = b.
     pub fn solve(&self, factor: &mut Factor, right_side: &mut [f64]) {
-        let x = &mut factor.row;
-        for (x, &k) in x.iter_mut().zip(&self.order) {
-            *x = right_side[k as usize];
+        let (right_side, _) = right_side.as_chunks_mut::<1>();
+        self.solve_many(factor, right_side);
+    }
+
+    /// Replaces `N` right sides by their solutions, entry `k` of all of them being `right_sides[k]`. L is read once for all of
+    /// them, which takes most of the time. Each solution has the bits of [`solve`](Self::solve).
+    pub fn solve_many<const N: usize>(&self, factor: &mut Factor, right_sides: &mut [[f64; N]]) {
+        let count = self.order.len();
+        if factor.row.len() < N * count {
+            factor.row.resize(N * count, 0.0);
         }
-        for column in 0..x.len() {
-            let solved = x[column] * factor.reciprocals[column];
+        let (x, _) = factor.row[..N * count].as_chunks_mut::<N>();
+        for (x, &k) in x.iter_mut().zip(&self.order) {
+            *x = right_sides[k as usize];
+        }
+        for column in 0..count {
+            let reciprocal = factor.reciprocals[column];
+            let solved = x[column].map(|x| x * reciprocal);
             x[column] = solved;
             let range = self.columns.range(column);
             for (&row, entry) in self.columns[column].iter().zip(&factor.below[range]) {
-                x[row as usize] -= entry * solved;
+                for (x, solved) in x[row as usize].iter_mut().zip(solved) {
+                    *x -= entry * solved;
+                }
             }
         }
-        for column in (0..x.len()).rev() {
+        for column in (0..count).rev() {
             let range = self.columns.range(column);
             let entries = self.columns[column].iter().zip(&factor.below[range]);
-            let sum = entries
-                .rev()
-                .fold(0.0, |sum, (&row, entry)| sum + entry * x[row as usize]);
-            x[column] = (x[column] - sum) * factor.reciprocals[column];
+            let mut sums = [0.0; N];
+            for (&row, entry) in entries.rev() {
+                for (sum, x) in sums.iter_mut().zip(x[row as usize]) {
+                    *sum += entry * x;
+                }
+            }
+            for (x, sum) in x[column].iter_mut().zip(sums) {
+                *x = (*x - sum) * factor.reciprocals[column];
+            }
         }
         for (x, &k) in x.iter().zip(&self.order) {
-            right_side[k as usize] = *x;
+            right_sides[k as usize] = *x;
         }
     }
 }
@@ -547,6 +566,14 @@ mod tests {
                 let right_side: Vec<f64> = (0..n).map(|k| 1.0 / (1.0 + k as f64)).collect();
                 let mut solution = right_side.clone();
                 symbolic.solve(&mut factor, &mut solution);
+                // Several at once have the same bits.
+                let mut many: Vec<[f64; 3]> = right_side.iter().map(|b| [1.0, *b, -b]).collect();
+                symbolic.solve_many(&mut factor, &mut many);
+                assert!(
+                    many.iter()
+                        .zip(&solution)
+                        .all(|(x, one)| x[1..] == [*one, -one])
+                );
                 let damped = &dense + DMatrix::identity(n, n) * damping;
                 let expected = damped.cholesky().unwrap().solve(&DVector::from(right_side));
                 let error = (DVector::from(solution) - expected).amax();

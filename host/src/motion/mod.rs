@@ -312,20 +312,22 @@ impl Motion {
     /// If the motion has no knots; the planner and the reader give it one at least.
     #[must_use]
     pub fn at(&self, time: f64) -> Knot {
-        if self.knots.len() == 1 {
-            return self.knots[0].clone();
+        match self.place_of(time) {
+            None => self.knots[0].clone(),
+            Some((segment, s)) if s <= 0.0 => self.knots[segment].clone(),
+            Some((segment, s)) if s >= 1.0 => self.knots[segment + 1].clone(),
+            Some((segment, s)) => self.between(segment, s),
         }
+    }
+
+    /// Returns the segment of a time (seconds), at a knot the one after it, and the parameter there, which is below 0 before the
+    /// motion and above 1 after it; `None` for a motion of one knot.
+    fn place_of(&self, time: f64) -> Option<(usize, f64)> {
+        let last = self.segments().checked_sub(1)?;
         let after = self.knots.partition_point(|knot| knot.time <= time);
-        let after = after.clamp(1, self.knots.len() - 1);
-        let [a, b] = [&self.knots[after - 1], &self.knots[after]];
-        let s = (time - a.time) / (b.time - a.time);
-        if s <= 0.0 {
-            a.clone()
-        } else if s >= 1.0 {
-            b.clone()
-        } else {
-            self.between(after - 1, s)
-        }
+        let segment = after.saturating_sub(1).min(last);
+        let s = (time - self.knots[segment].time) / self.span(segment);
+        Some((segment, s))
     }
 
     /// Returns the rate of each group at a time (seconds), radians per second, by the derivative of its curve. At a knot the
@@ -333,18 +335,11 @@ impl Motion {
     /// is at rest.
     #[must_use]
     pub fn rates(&self, time: f64) -> Vec<f64> {
-        let after = self.knots.partition_point(|knot| knot.time <= time);
-        let is_last = self.knots.last().is_some_and(|knot| knot.time >= time);
-        let segment = match after {
-            0 => None,
-            after if after < self.knots.len() => Some(after - 1),
-            _ => self.segments().checked_sub(1).filter(|_| is_last),
-        };
-        let Some(segment) = segment else {
+        let moving = self.place_of(time);
+        let Some((segment, s)) = moving.filter(|(_, s)| (0.0..=1.0).contains(s)) else {
             return vec![0.0; self.groups()];
         };
         let span = self.span(segment);
-        let s = (time - self.knots[segment].time) / span;
         let curves = self.curves(segment);
         curves.map(|curve| curve.derivatives(s)[0] / span).collect()
     }

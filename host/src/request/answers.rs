@@ -203,20 +203,16 @@ answers! {
     /// play.
     ToleranceJson of (motion: &Motion, tolerance: &Tolerance, error: Option<f64>) {
         let scale = error.unwrap_or(0.0);
-        let mut ranked: Vec<&HingePlay> = tolerance.hinges.iter().collect();
-        ranked.sort_by(|a, b| b.worst.total_cmp(&a.worst));
-        let mut costs: Vec<(usize, f64)> = tolerance.vertices.iter().copied().enumerate().collect();
-        costs.sort_by(|a, b| b.1.total_cmp(&a.1));
         let edge = |crease: CreaseId| motion.pattern.creases()[crease.index()].index();
     } {
         error: Option<f64> = error;
         unit: Option<&'static str> = motion.pattern.unit().map(Unit::name);
         max_play: f64 = scale * tolerance.worst().map_or(0.0, |hinge| hinge.worst);
         at: f64 = tolerance.worst().map_or(0.0, |hinge| hinge.at);
-        hinges: Vec<HingePlayJson> = (ranked.iter())
+        hinges: Vec<HingePlayJson> = (tolerance.ranked_hinges().into_iter())
             .map(|hinge| HingePlayJson::of(edge(hinge.crease), hinge, scale)).collect();
-        vertices: Vec<VertexCostJson> = (costs.iter())
-            .map(|&(vertex, cost)| VertexCostJson::of(vertex, cost, scale)).collect();
+        vertices: Vec<VertexCostJson> = (tolerance.ranked_vertices().into_iter())
+            .map(|(vertex, cost)| VertexCostJson::of(vertex.index(), cost, scale)).collect();
         redundant: Vec<usize> = tolerance.redundant.iter().map(|&crease| edge(crease)).collect();
     }
 

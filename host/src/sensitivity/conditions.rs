@@ -4,7 +4,7 @@
 use foldpath_core::{HalfAngle, Spoke, closure, hole, plane_angle};
 use foldpath_linear::cholesky::Factor;
 use foldpath_linear::gram::GramStructure;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{DMatrix, Vector2, Vector3};
 
 use crate::pattern::{CreasePattern, EdgeId, VertexId};
 use crate::symmetry::ReducedStars;
@@ -20,6 +20,9 @@ const DAMPING_RATIO: f64 = 1e-12;
 const MAX_CORRECTIONS: usize = 12;
 /// Relative size of a correction that ends them.
 const CORRECTED_RATIO: f64 = 1e-14;
+
+/// Number of right sides that are solved for at once.
+const COLUMNS: usize = 4;
 
 /// The closure conditions of a sheet in which every crease turns by itself. Made once for each sheet.
 pub struct Conditions<'a> {
@@ -183,6 +186,22 @@ impl NormalFactor<'_> {
     /// Replaces a right side by the solution of the damped equations.
     pub(super) fn solve(&mut self, right_side: &mut [f64]) {
         self.gram.symbolic.solve(&mut self.factor, right_side);
+    }
+
+    /// Replaces right sides, the columns of a matrix, by the solutions of the damped equations, a few of them at once.
+    pub(super) fn solve_columns(&mut self, right_sides: &mut DMatrix<f64>) {
+        let mut some = vec![[0.0; COLUMNS]; right_sides.nrows()];
+        for first in (0..right_sides.ncols()).step_by(COLUMNS) {
+            let count = COLUMNS.min(right_sides.ncols() - first);
+            let mut columns = right_sides.columns_mut(first, count);
+            for (row, numbers) in some.iter_mut().enumerate() {
+                (0..count).for_each(|column| numbers[column] = columns[(row, column)]);
+            }
+            self.gram.symbolic.solve_many(&mut self.factor, &mut some);
+            for (row, numbers) in some.iter().enumerate() {
+                (0..count).for_each(|column| columns[(row, column)] = numbers[column]);
+            }
+        }
     }
 
     /// Returns x orthogonal to the null space with JᵀJ x = `right_side`, of which the part in the null space is left out.

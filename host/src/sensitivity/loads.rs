@@ -164,6 +164,14 @@ pub enum NoLoads {
         /// The size of a set.
         size: usize,
     },
+    /// No set that drives the sheet over the whole motion was found; there may be one, because not all were looked at.
+    #[error(
+        "no set of {size} hinges was found that drives the sheet over the whole motion; not all were tried"
+    )]
+    NoDriversFound {
+        /// The size of a set.
+        size: usize,
+    },
 }
 
 impl Loads {
@@ -416,16 +424,19 @@ impl<'a> LoadedMotion<'a> {
         let sets = (0..size).fold(1.0, |sets, k| sets * (n - k) as f64 / (k + 1) as f64);
         #[allow(clippy::cast_precision_loss, reason = "an estimate")]
         let looks = sets * self.moments.len() as f64;
-        let none = NoLoads::NoDrivers { size };
-        let found = match looks <= MAX_LOOKS {
-            true => self.least_of_all(size).map(|set| (set, true)),
-            false => self.least_by_exchange(size).map(|set| (set, false)),
+        let is_least = looks <= MAX_LOOKS;
+        let found = match is_least {
+            true => self.least_of_all(size),
+            false => self.least_by_exchange(size),
         };
         if self.watch.is_over() {
             // A set that was found by then need not be the best.
-            return found.map_or(Err(NoLoads::Cancelled), |(set, _)| Ok((set, false)));
+            return found.map_or(Err(NoLoads::Cancelled), |set| Ok((set, false)));
         }
-        found.ok_or(none)
+        found.map(|set| (set, is_least)).ok_or(match is_least {
+            true => NoLoads::NoDrivers { size },
+            false => NoLoads::NoDriversFound { size },
+        })
     }
 
     /// Looks at all sets of hinges.
@@ -497,8 +508,9 @@ impl<'a> LoadedMotion<'a> {
     fn loads(&self, drivers: &[usize], is_least: bool) -> Loads {
         let torques = self.moments.iter().map(|moment| {
             let solved = moment.torques(drivers);
+            // The sum turns -0 into 0.
             solved.map_or(vec![f64::NAN; drivers.len()], |(solved, _)| {
-                solved.as_slice().to_vec()
+                solved.iter().map(|torque| torque + 0.0).collect()
             })
         });
         let torques: Vec<Vec<f64>> = torques.collect();

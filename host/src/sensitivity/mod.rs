@@ -390,12 +390,17 @@ impl<'c> Sensitivity<'c> {
         vertices: &[Vector2<f64>],
         drivers: &[f64],
     ) -> Result<Rates, NoDerivative> {
-        let changes: Vec<f64> = vertices.iter().flat_map(|v| [v.x, v.y]).collect();
+        let mut changes: Vec<f64> = vertices.iter().flat_map(|v| [v.x, v.y]).collect();
+        // Squares of changes of any size neither overflow nor vanish. A change that is no number is refused.
+        let size = largest(changes.iter().map(|change| change.abs()));
+        if size > 0.0 || size.is_nan() {
+            changes.iter_mut().for_each(|change| *change /= size);
+        }
         let effect = times(&self.linearised.by_vertex, &changes);
         let n = self.angles.len();
         let mut angles = vec![0.0; n];
         let of = effect.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
-        if of > 0.0 {
+        if of > 0.0 || of.is_nan() {
             let right_side = transposed(&self.linearised.by_angle, &effect, n);
             let project = |x: &mut [f64]| self.null_space.project_out(x);
             let by_angle = &self.linearised.by_angle;
@@ -411,8 +416,12 @@ impl<'c> Sensitivity<'c> {
             let rounding = (ROUNDING_RATIO + NULL_RESIDUALS * self.residual) * largest;
             let folds = residual <= LEFT_RATIO * of + rounding;
             if !folds {
-                return Err(NoDerivative::LeavesFoldability { residual, of });
+                return Err(NoDerivative::LeavesFoldability {
+                    residual: residual * size,
+                    of: of * size,
+                });
             }
+            angles.iter_mut().for_each(|angle| *angle *= size);
         }
         // The drivers turn as they are asked to.
         for (k, driver) in self.drivers.iter().enumerate() {

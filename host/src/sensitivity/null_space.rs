@@ -44,9 +44,7 @@ impl NullSpace {
             let mut values = Vec::new();
             let mut before = f64::INFINITY;
             for _ in 0..MAX_ITERATIONS {
-                for mut column in block.column_iter_mut() {
-                    factor.solve(column.as_mut_slice());
-                }
+                factor.solve_columns(&mut block);
                 (block, values) = ritz(&linearised.by_angle, block);
                 let next = values.iter().copied().find(|value| *value > tolerance);
                 let next = next.unwrap_or(f64::INFINITY);

@@ -16,7 +16,8 @@
 //!
 //! The map is solved from J dθ + A s = b, where A is G with its weights: s = Aᵀ λ with A Aᵀ λ + J dθ = b and Jᵀ λ = 0. The
 //! last condition is added to the first by a penalty, so that one sparse matrix A Aᵀ + ρ J Jᵀ is positive definite, and is met
-//! by a few updates of dθ (method of multipliers, Hestenes 1969).
+//! by a few updates of dθ (method of multipliers, Hestenes 1969), which correct a small damping as well (proximal point method,
+//! Rockafellar 1976).
 
 use core::time::Duration;
 use std::collections::BTreeSet;
@@ -24,14 +25,14 @@ use std::collections::BTreeSet;
 use foldpath_core::{HalfAngle, Rotation};
 use foldpath_linear::cholesky::Factor;
 use foldpath_linear::gram::GramStructure;
-use nalgebra::{Matrix5, Vector2, Vector3, Vector5};
+use nalgebra::{Matrix5, Vector2, Vector3};
 use thiserror::Error;
 
 use super::conditions::{Conditions, Linearised};
 use super::{Closing, NoDerivative};
 use crate::folding::STEP;
 use crate::motion::Motion;
-use crate::pattern::{CreaseId, CreasePattern};
+use crate::pattern::{CreaseId, CreasePattern, VertexId};
 use crate::progress::{Stage, Watch};
 use crate::util::csr::Csr;
 use crate::util::nan_max::largest;
@@ -44,10 +45,15 @@ pub const FROM_DEG: f64 = 10.0;
 const PENALTY: f64 = 1e8;
 /// Number of updates of the multipliers. Each reduces Jᵀ λ by the penalty times the square of a singular value of J.
 const UPDATES: usize = 2;
-/// Damping over the largest diagonal entry without the penalty: conditions that neither folds nor play change get no force.
+/// Damping over the largest square of an entry, the penalty included: conditions that neither folds nor play change get no
+/// force. The updates take its effect away.
 const DAMPING: f64 = 1e-12;
 /// Smallest part of a play that the rest of the sheet resists, of a hinge that holds nothing that the rest does not hold.
 const REDUNDANT: f64 = 1e-6;
+/// Play for each length of error up to which it is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Number of coordinates, of a few vertices, for which play is computed at once.
+const BATCH: usize = 8;
 /// Rows of a condition: turns and shifts.
 const ROWS: usize = 6;
 /// Components of the play of a hinge.
@@ -128,7 +134,9 @@ pub struct Tolerance {
 #[non_exhaustive]
 pub enum NoTolerance {
     /// No hinge is ever folded by [`FROM_DEG`].
-    #[error("no hinge is folded by {FROM_DEG} degrees at any time")]
+    #[error(
+        "no hinge is folded by {FROM_DEG} degrees at any time, and nearer to flat play is not known to first order"
+    )]
     Flat,
     /// The sheet has too many creases to number their products.
     #[error("the sheet has too many creases")]
@@ -204,18 +212,37 @@ impl Tolerance {
         })
     }
 
-    /// Returns the hinge that needs most play; `None` without hinges.
+    /// Returns the hinge that needs most play; `None` if none needs any.
     #[must_use]
     pub fn worst(&self) -> Option<&HingePlay> {
-        let hinges = self.hinges.iter();
+        let hinges = self.hinges.iter().filter(|hinge| hinge.worst > 0.0);
         hinges.max_by(|a, b| a.worst.total_cmp(&b.worst).then(b.crease.cmp(&a.crease)))
     }
 
-    /// Returns the largest error of each coordinate for which no hinge needs more than this play, in the same unit of length;
-    /// infinite if no error needs any.
+    /// Returns the hinges, those that need most play first.
     #[must_use]
-    pub fn error_for(&self, play: f64) -> f64 {
-        play / self.worst().map_or(0.0, |hinge| hinge.worst)
+    pub fn ranked_hinges(&self) -> Vec<&HingePlay> {
+        let mut ranked: Vec<&HingePlay> = self.hinges.iter().collect();
+        ranked.sort_by(|a, b| b.worst.total_cmp(&a.worst));
+        ranked
+    }
+
+    /// Returns each vertex with the play that its error of 1 costs, those that cost most first.
+    #[must_use]
+    pub fn ranked_vertices(&self) -> Vec<(VertexId, f64)> {
+        let mut ranked: Vec<(VertexId, f64)> = (0..)
+            .map(VertexId)
+            .zip(self.vertices.iter().copied())
+            .collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        ranked
+    }
+
+    /// Returns the largest error of each coordinate for which no hinge needs more than this play, in the same unit of length;
+    /// `None` if no error needs any.
+    #[must_use]
+    pub fn error_for(&self, play: f64) -> Option<f64> {
+        Some(play / self.worst()?.worst)
     }
 }
 
@@ -327,39 +354,40 @@ impl Sheet<'_> {
 }
 
 impl AtPlace<'_> {
-    /// Computes the play column by column of the map, a column for each coordinate of a vertex.
+    /// Computes the play some columns of the map at a time, a column for each coordinate of a vertex.
     fn play(&mut self) -> Play {
         let edge = self.pattern.median_edge();
         let count = self.solver.hinges.len();
         let mut sums = vec![[0.0; PLAY]; count];
         let mut squares = vec![[0.0; PLAY]; count];
         let mut vertices = vec![0.0_f64; self.pattern.vertices().len()];
-        let mut of_vertex = vec![[0.0; PLAY]; count];
-        let mut right_side = vec![0.0; self.solver.structure.rows];
-        for (coordinate, column) in self.errors.iter().enumerate() {
-            if coordinate % 2 == 0 {
-                of_vertex.fill([0.0; PLAY]);
-            }
-            if column.is_empty() {
+        let mut forces = self.solver.rows::<BATCH>();
+        let batches = self.errors.chunks(BATCH);
+        for (columns, costs) in batches.zip(vertices.chunks_mut(BATCH / 2)) {
+            if columns.iter().all(Vec::is_empty) {
                 continue;
             }
-            right_side.fill(0.0);
-            column
-                .iter()
-                .for_each(|(row, value)| right_side[*row] -= value);
-            self.solver.solve(&right_side);
-            for (hinge, entries) in self.solver.hinges.iter().enumerate() {
-                for (kind, play) in play(entries, &self.solver.forces).into_iter().enumerate() {
+            forces.fill([0.0; BATCH]);
+            for (at, column) in columns.iter().enumerate() {
+                column
+                    .iter()
+                    .for_each(|(row, value)| forces[*row][at] -= value);
+            }
+            self.solver.solve(&mut forces);
+            let sums = sums.iter_mut().zip(&mut squares);
+            for (entries, (sums, squares)) in self.solver.hinges.iter().zip(sums) {
+                for (kind, play) in play(entries, &forces).into_iter().enumerate() {
                     // A length for each length.
-                    let play = (play * edge).abs();
-                    sums[hinge][kind] += play;
-                    squares[hinge][kind] += play * play;
-                    of_vertex[hinge][kind] += play;
+                    let play = play.map(|play| (play * edge).abs());
+                    for play in play {
+                        sums[kind] += play;
+                        squares[kind] += play * play;
+                    }
+                    for (cost, of_vertex) in costs.iter_mut().zip(play.chunks_exact(2)) {
+                        *cost = cost.max(of_vertex[0] + of_vertex[1]);
+                    }
                 }
             }
-            let cost = of_vertex.iter().flatten().copied().fold(0.0, f64::max);
-            let vertex = &mut vertices[coordinate / 2];
-            *vertex = vertex.max(cost);
         }
         let worst = sums.iter().zip(&squares).map(|(sums, squares)| {
             let mut kind = 0;
@@ -369,30 +397,29 @@ impl AtPlace<'_> {
                 }
             }
             WorstPlay {
-                worst: sums[kind],
+                worst: unless_rounding(sums[kind]),
                 kind,
                 place: self.place,
-                expected: largest(squares.iter().map(|sum| (sum / 3.0).sqrt())),
+                expected: unless_rounding(largest(squares.iter().map(|sum| (sum / 3.0).sqrt()))),
             }
         });
         Play {
             hinges: worst.collect(),
-            vertices,
+            vertices: vertices.into_iter().map(unless_rounding).collect(),
         }
     }
 
     /// Returns a row of the map. The map from right sides to forces is symmetric, so that a row takes one solve.
     fn by_vertex(&mut self, hinge: usize, kind: usize) -> Vec<Vector2<f64>> {
         let edge = self.pattern.median_edge();
-        let mut right_side = vec![0.0; self.solver.structure.rows];
+        let mut forces = self.solver.rows::<1>();
         let entries = &self.solver.hinges[hinge];
         entries
             .iter()
-            .for_each(|(row, entry)| right_side[*row] += entry.by_play[kind]);
-        self.solver.solve(&right_side);
-        let forces = &self.solver.forces;
+            .for_each(|(row, entry)| forces[*row][0] += entry.by_play[kind]);
+        self.solver.solve(&mut forces);
         let play = |column: &Vec<(usize, f64)>| {
-            let terms = column.iter().map(|(row, value)| value * forces[*row]);
+            let terms = column.iter().map(|(row, value)| value * forces[*row][0]);
             -edge * terms.sum::<f64>()
         };
         let pairs = self.errors.chunks_exact(2);
@@ -405,23 +432,28 @@ impl AtPlace<'_> {
     /// the smallest eigenvalue of A_hᵀ Π A_h, where Π maps right sides to forces. It is 0 if the sheet moves with the play alone.
     fn resisted(&mut self) -> Vec<f64> {
         let solver = &mut self.solver;
-        let mut right_side = vec![0.0; solver.structure.rows];
+        let mut forces = solver.rows::<PLAY>();
         let hinges = solver.hinges;
         let resisted = hinges.iter().map(|entries| {
-            let mut matrix = Matrix5::zeros();
-            for column in 0..PLAY {
-                right_side.fill(0.0);
-                entries
-                    .iter()
-                    .for_each(|(row, entry)| right_side[*row] += entry.by_play[column]);
-                solver.solve(&right_side);
-                matrix.set_column(column, &Vector5::from(play(entries, &solver.forces)));
+            forces.fill([0.0; PLAY]);
+            for (row, entry) in entries {
+                for (force, by_play) in forces[*row].iter_mut().zip(entry.by_play) {
+                    *force += by_play;
+                }
             }
+            solver.solve(&mut forces);
+            // Symmetric but for rounding.
+            let matrix = Matrix5::from(play(entries, &forces));
             let symmetric = (matrix + matrix.transpose()) / 2.0;
             symmetric.symmetric_eigenvalues().min()
         });
         resisted.collect()
     }
+}
+
+/// Returns a play, or 0 if it is rounding.
+fn unless_rounding(play: f64) -> f64 {
+    if play <= ROUNDING { 0.0 } else { play }
 }
 
 /// Derivatives of a row of a condition by the play and by the fold of a hinge.
@@ -463,10 +495,7 @@ struct Solver<'s> {
     hinges: &'s [Vec<(usize, Entry)>],
     factor: Factor,
     penalty: f64,
-    /// λ as last computed.
-    forces: Vec<f64>,
-    /// Scratch: dθ.
-    folds: Vec<f64>,
+    damping: f64,
 }
 
 impl<'s> Solver<'s> {
@@ -481,7 +510,9 @@ impl<'s> Solver<'s> {
         for (hinge, entries) in hinges.iter().enumerate() {
             gram.add(hinge, entries, product, &mut values);
         }
-        let damping = DAMPING * gram.max_diagonal(&values);
+        // A hinge that a loop crosses twice cancels in the sums, which then are rounding.
+        let squares = hinges.iter().flatten().map(|entry| product(entry, entry));
+        let damping = DAMPING * squares.fold(f64::MIN_POSITIVE, f64::max);
         let mut factor = Factor::new(&gram.symbolic);
         let made = gram
             .symbolic
@@ -491,41 +522,60 @@ impl<'s> Solver<'s> {
             hinges,
             factor,
             penalty,
-            forces: vec![0.0; structure.rows],
-            folds: vec![0.0; hinges.len()],
+            damping,
         })
     }
 
-    /// Computes the forces λ for a right side b.
-    fn solve(&mut self, right_side: &[f64]) {
-        self.folds.fill(0.0);
+    /// Returns `N` numbers for each row, all 0.
+    fn rows<const N: usize>(&self) -> Vec<[f64; N]> {
+        vec![[0.0; N]; self.structure.rows]
+    }
+
+    /// Replaces right sides b by their forces λ.
+    fn solve<const N: usize>(&mut self, forces: &mut [[f64; N]]) {
+        let right_sides = forces.to_vec();
+        let mut folds = vec![[0.0; N]; self.hinges.len()];
         for update in 0..UPDATES {
-            self.forces.copy_from_slice(right_side);
-            for (entries, fold) in self.hinges.iter().zip(&self.folds) {
+            if update > 0 {
+                let damped = forces.as_flattened_mut().iter_mut();
+                damped
+                    .zip(right_sides.as_flattened())
+                    .for_each(|(force, b)| *force = b + self.damping * *force);
+            }
+            for (entries, folds) in self.hinges.iter().zip(&folds) {
                 for (row, entry) in entries {
-                    self.forces[*row] -= entry.by_fold * fold;
+                    for (force, fold) in forces[*row].iter_mut().zip(folds) {
+                        *force -= entry.by_fold * fold;
+                    }
                 }
             }
             let symbolic = &self.structure.gram.symbolic;
-            symbolic.solve(&mut self.factor, &mut self.forces);
+            symbolic.solve_many(&mut self.factor, forces);
             if update + 1 < UPDATES {
-                for (entries, fold) in self.hinges.iter().zip(&mut self.folds) {
-                    let moment = entries
-                        .iter()
-                        .map(|(row, entry)| entry.by_fold * self.forces[*row]);
-                    *fold += self.penalty * moment.sum::<f64>();
+                for (entries, folds) in self.hinges.iter().zip(&mut folds) {
+                    let mut moments = [0.0; N];
+                    for (row, entry) in entries {
+                        for (moment, force) in moments.iter_mut().zip(forces[*row]) {
+                            *moment += entry.by_fold * force;
+                        }
+                    }
+                    for (fold, moment) in folds.iter_mut().zip(moments) {
+                        *fold += self.penalty * moment;
+                    }
                 }
             }
         }
     }
 }
 
-/// Returns the play of a hinge under these forces: its part of Aᵀ λ.
-fn play(entries: &[(usize, Entry)], forces: &[f64]) -> [f64; PLAY] {
-    let mut play = [0.0; PLAY];
+/// Returns the play of a hinge under some forces, component by component: its part of Aᵀ λ.
+fn play<const N: usize>(entries: &[(usize, Entry)], forces: &[[f64; N]]) -> [[f64; N]; PLAY] {
+    let mut play = [[0.0; N]; PLAY];
     for (row, entry) in entries {
-        for (sum, by) in play.iter_mut().zip(entry.by_play) {
-            *sum += by * forces[*row];
+        for (sums, by) in play.iter_mut().zip(entry.by_play) {
+            for (sum, force) in sums.iter_mut().zip(forces[*row]) {
+                *sum += by * force;
+            }
         }
     }
     play

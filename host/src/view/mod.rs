@@ -9,19 +9,24 @@ mod scene;
 use serde::{Serialize, Serializer};
 
 use crate::check::WorstPair;
-use crate::pattern::FaceId;
+use crate::pattern::{EdgeId, FaceId, VertexId};
 
 pub use pattern_page::pattern_page;
 
 const TEMPLATE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 /// Each script uses those before it.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 3] = [
     include_str!("page/fold.js"),
     include_str!("page/drawing.js"),
     include_str!("page/plots.js"),
-    include_str!("page/page.js"),
 ];
+/// Parts of a page with torques, and with play, for those who ask.
+const TORQUES: &str = include_str!("page/torques.js");
+const TOLERANCE: &str = include_str!("page/tolerance.js");
+const TOLERANCE_STYLE: &str = include_str!("page/tolerance.css");
+/// The last script.
+const PAGE: &str = include_str!("page/page.js");
 const PLACEHOLDER: &str = "/*SCENE*/";
 
 /// The data of the page: the flat sheet and the motion of its hinges. The page folds the sheet itself, at any time,
@@ -72,6 +77,12 @@ pub struct Scene {
     pub max_gap: f64,
     /// Largest closure residual of the path (dimensionless, about radians).
     pub max_closure: f64,
+    /// Edges of the hinges whose torques the shapes have; none unless [`with_torques`](Self::with_torques) adds them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drivers: Vec<EdgeId>,
+    /// The play that hinges need; none unless [`with_tolerance`](Self::with_tolerance) adds it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<SceneTolerance>,
 }
 
 /// Angles of the crease groups at the knots of a path. Lists of groups have one row for each knot.
@@ -110,6 +121,53 @@ pub struct SceneShape {
     /// Smallest distance between faces that share no vertex, over the median edge; `None` if faces cross or the
     /// distance is not known.
     pub clearance: Option<f64>,
+    /// Torques of the drivers at this time, newton metres, or at a time nearby if the sheet is singular; none if it is singular
+    /// there as well, or if nobody asked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub torques: Vec<f64>,
+}
+
+/// The play that the hinges of a path need for an error of its vertices. Lengths are in the unit of the sheet.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneTolerance {
+    /// Largest error of each coordinate of each vertex; `None` if no error needs play.
+    pub error: Option<f64>,
+    /// Name of the unit of the sheet; empty if there is none.
+    pub unit: &'static str,
+    /// Shift that counts as much as a turn by a radian: the median edge.
+    pub radian: f64,
+    /// Fold angle of the hinge that is folded most, from which on the sheet is judged, degrees.
+    pub from: f64,
+    /// The hinges, those that need most play first.
+    pub hinges: Vec<SceneHingePlay>,
+    /// The vertices, those whose error costs most first.
+    pub vertices: Vec<SceneVertexCost>,
+    /// Edges of hinges of which each may be cut or given any play.
+    pub redundant: Vec<EdgeId>,
+}
+
+/// The play that a hinge needs.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneHingePlay {
+    /// Its edge.
+    pub edge: EdgeId,
+    /// Play in the worst case, and root mean square for random errors.
+    pub worst: f64,
+    /// See `worst`.
+    pub expected: f64,
+    /// The component that is largest in the worst case, and its time in seconds.
+    pub kind: &'static str,
+    /// See `kind`.
+    pub at: f64,
+}
+
+/// The play that the error of one vertex needs.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneVertexCost {
+    /// The vertex.
+    pub vertex: VertexId,
+    /// Largest play of any hinge.
+    pub cost: f64,
 }
 
 /// The plates of a path at some thicknesses, between which their corners move on straight lines.
@@ -171,10 +229,15 @@ pub struct SceneCause {
 pub fn page(scene: &Scene) -> String {
     let json = serde_json::to_string(scene).expect("a scene is plain data");
     // Only a `<` could end the script element that holds the scene.
-    let scene = json.replace('<', "\\u003c");
-    let parts = TEMPLATE.replacen("/*STYLE*/", STYLE, 1);
-    let parts = parts.replacen("/*SCRIPT*/", &SCRIPTS.concat(), 1);
-    parts.replacen(PLACEHOLDER, &scene, 1)
+    let json = json.replace('<', "\\u003c");
+    let asked = |text: &'static str, is_asked: bool| if is_asked { text } else { "" };
+    let has_play = scene.tolerance.is_some();
+    let style = [STYLE, asked(TOLERANCE_STYLE, has_play)].concat();
+    let torques = asked(TORQUES, !scene.drivers.is_empty());
+    let scripts = [&SCRIPTS.concat(), torques, asked(TOLERANCE, has_play), PAGE].concat();
+    let parts = TEMPLATE.replacen("/*STYLE*/", &style, 1);
+    let parts = parts.replacen("/*SCRIPT*/", &scripts, 1);
+    parts.replacen(PLACEHOLDER, &json, 1)
 }
 
 /// Writes tuples as one list of numbers.
@@ -233,6 +296,7 @@ mod tests {
                 gap: 0.0,
                 closure: 0.0,
                 clearance: None,
+                torques: vec![],
             }],
             worst_pair: None,
             plates: None,
@@ -242,6 +306,8 @@ mod tests {
             max_deformation: 0.0,
             max_gap: 0.0,
             max_closure: 0.0,
+            drivers: vec![],
+            tolerance: None,
         }
     }
 

@@ -3,7 +3,10 @@
 use foldpath_core::Membership;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
-use super::{Scene, SceneCause, SceneMotion, ScenePlates, SceneShape, SceneShortfall};
+use super::{
+    Scene, SceneCause, SceneHingePlay, SceneMotion, ScenePlates, SceneShape, SceneShortfall,
+    SceneTolerance, SceneVertexCost,
+};
 use crate::check::{
     self, CheckOptions, MergedGroups, WorstPair, check_until_over, clearances_until_over,
     differing_hinge, measure,
@@ -11,9 +14,10 @@ use crate::check::{
 use crate::collision::{Plates, SheetMesh, Trims};
 use crate::folding::{FoldingMap, STEP, SpanningTree, fit_sheets};
 use crate::motion::{GroupNaming, Motion, REST, interpolation_name, leaders};
-use crate::pattern::{CreasePattern, EdgeId, FaceId, Unit};
+use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId, Unit};
 use crate::planner::{Cause, Note, Outcome, forecast};
 use crate::progress::{Progress, Watch};
+use crate::sensitivity::{FROM_DEG, Loads, Tolerance};
 use crate::symmetry::CreaseGroups;
 
 /// Least thickness that is drawn, and difference of thicknesses that counts, over the thickness of a path.
@@ -52,6 +56,7 @@ impl Scene {
                 gap: measured.rigidity.gap,
                 closure: measured.closure,
                 clearance: clearance.map(over_edge),
+                torques: Vec::new(),
             });
         let members = members(path);
         Self {
@@ -85,7 +90,67 @@ impl Scene {
             max_deformation: worst(|m| m.rigidity.deformation),
             max_gap: worst(|m| m.rigidity.gap),
             max_closure: worst(|m| m.closure),
+            drivers: Vec::new(),
+            tolerance: None,
         }
+    }
+
+    /// Adds the play that the hinges of this path need for an error of each coordinate of each vertex, in the unit of the sheet;
+    /// `None` stands for any error, none of which needs play.
+    #[must_use]
+    pub fn with_tolerance(
+        mut self,
+        path: &Motion,
+        tolerance: &Tolerance,
+        error: Option<f64>,
+    ) -> Self {
+        let pattern = &path.pattern;
+        let edge = |crease: CreaseId| pattern.creases()[crease.index()];
+        let scale = error.unwrap_or(0.0);
+        let hinges = tolerance.ranked_hinges().into_iter();
+        let vertices = tolerance.ranked_vertices().into_iter();
+        self.tolerance = Some(SceneTolerance {
+            error,
+            unit: pattern.unit().map_or("", Unit::name),
+            radian: pattern.median_edge(),
+            from: FROM_DEG,
+            hinges: hinges
+                .map(|hinge| SceneHingePlay {
+                    edge: edge(hinge.crease),
+                    worst: scale * hinge.worst,
+                    expected: scale * hinge.expected,
+                    kind: hinge.kind.name(),
+                    at: hinge.at,
+                })
+                .collect(),
+            vertices: vertices
+                .map(|(vertex, cost)| SceneVertexCost {
+                    vertex,
+                    cost: scale * cost,
+                })
+                .collect(),
+            redundant: tolerance.redundant.iter().map(|&it| edge(it)).collect(),
+        });
+        self
+    }
+
+    /// Adds the torques of the drivers of this path. A shape gets those of its time, or of the next time before the shape after
+    /// it: `loads` looks there if the sheet is singular.
+    #[must_use]
+    pub fn with_torques(mut self, path: &Motion, loads: &Loads) -> Self {
+        let creases = path.pattern.creases();
+        self.drivers = (loads.drivers.iter())
+            .map(|driver| creases[driver.index()])
+            .collect();
+        for (time, torques) in loads.times.iter().zip(&loads.torques) {
+            let after = self.shapes.partition_point(|shape| shape.time <= *time);
+            // A singular end is looked at before it.
+            let near = self.shapes[after.saturating_sub(1)..].iter_mut();
+            if let Some(shape) = near.take(2).find(|shape| shape.torques.is_empty()) {
+                shape.torques.clone_from(torques);
+            }
+        }
+        self
     }
 }
 

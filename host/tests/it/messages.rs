@@ -632,7 +632,7 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
         ),
         (
             NoTolerance::Flat.to_string(),
-            "no hinge is folded by 10 degrees at any time",
+            "no hinge is folded by 10 degrees at any time, and nearer to flat play is not known to first order",
         ),
         (
             NoTolerance::Open {
@@ -703,6 +703,10 @@ fn reasons_for_no_derivative_play_or_torque_are_sentences() {
             }
             .to_string(),
             "the degrees of freedom change: 1 at 0.000 s, 2 at 2.500 s; no set of drivers serves both",
+        ),
+        (
+            NoLoads::NoDriversFound { size: 19 }.to_string(),
+            "no set of 19 hinges was found that drives the sheet over the whole motion; not all were tried",
         ),
         (
             NoLoads::NoDrivers { size: 2 }.to_string(),

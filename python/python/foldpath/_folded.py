@@ -43,7 +43,7 @@ class Folded:
     def vjp(self, vertices: Floats, angles: Floats, by_angles: Floats, by_places: Floats) -> Gradients:
         """Return the gradient of what has these gradients by the results of :meth:`fold`, of which ``angles`` is one."""
         sheet = self.pattern.moved(vertices)._sheet
-        by = np.nan_to_num(by_angles).tobytes(), np.ascontiguousarray(by_places).tobytes()
+        by = np.ascontiguousarray(by_angles).tobytes(), np.ascontiguousarray(by_places).tobytes()
         flat, driven = sheet.vjp(self._start(angles), self.drivers, *by)
         return floats(flat, -1, 2), floats(driven, -1)
 

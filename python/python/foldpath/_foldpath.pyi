@@ -1,6 +1,7 @@
 """The extension module. Arrays are bytes, options and answers are JSON; use the package ``foldpath`` instead."""
 
 import os
+from typing import Any
 
 class Sheet:
     @staticmethod
@@ -70,8 +71,10 @@ class Path:
     def vertices(self, times: bytes) -> bytearray: ...
     def save(self, path: str | os.PathLike[str]) -> None: ...
     def text(self) -> str: ...
-    def page(self) -> str: ...
-    def plot(self) -> str: ...
+    def page(
+        self, error: float | None, play: float | None, load: dict[str, Any] | None, is_forked: bool
+    ) -> str: ...
+    def plot(self, load: dict[str, Any] | None, is_forked: bool) -> str: ...
     def export(self, arguments: list[str]) -> None: ...
     def check(self, options: str, jobs: int | None, is_forked: bool) -> str: ...
     def drivers(self, time: float) -> list[int]: ...
@@ -82,14 +85,9 @@ class Path:
     ) -> str: ...
     def loads(
         self,
-        areal_density: float,
-        fixed: int | None,
-        gravity: tuple[float, float, float],
-        spring: float,
-        springs: list[tuple[int, float]],
+        load: dict[str, Any],
         drivers: int | None,
         drives: list[tuple[str, float, float]],
-        unit: str | None,
         seconds: float | None,
         jobs: int | None,
         is_forked: bool,

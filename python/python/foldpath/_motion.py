@@ -13,11 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _foldpath
+from ._answer import Answer
 from ._convert import File, Floats, Integers, contiguous, floats, integers, is_forked, options, shaped, threads
 from ._error import FoldpathError
 from ._pattern import Pattern, Source, content
 
 Format = Literal["traj", "csv", "rust", "obj", "glb", "svg", "dxf", "stl", "mjcf", "joint-trajectory", "ros2-control"]
+
+#: Acceleration of free fall in the frame of the drawing, metres per second squared.
+GRAVITY = (0.0, 0.0, -9.80665)
 
 
 class Motion:
@@ -128,23 +132,39 @@ class Motion:
         """Write the path file, a FOLD animation. It is written whole or not at all."""
         self._path.save(file)
 
-    def page(self) -> str:
-        """Return the interactive page, in HTML that needs no network."""
-        return self._path.page()
+    def page(
+        self,
+        *,
+        error: float | None = None,
+        play: float | None = None,
+        areal_density: float | None = None,
+        **load: Any,
+    ) -> str:
+        """Return the interactive page, in HTML that needs no network.
 
-    def save_page(self, file: File) -> None:
-        """Write the interactive page."""
-        _foldpath.write_text(file, self.page())
+        With ``error`` or ``play``, as in :func:`tolerance`, hinges are coloured by the play that they need. With
+        ``areal_density`` the page has the torques of the drivers; ``load`` may have ``fixed``, ``gravity``, ``spring`` and ``unit``
+        of :func:`loads`.
+        """
+        return self._path.page(error, play, _load_if_given(self, areal_density, load), is_forked())
 
-    def plot(self) -> str:
-        """Return a picture of the curves along the motion, as SVG: angles, deformation, gap and clearance."""
-        return self._path.plot()
+    def save_page(self, file: File, **given: Any) -> None:
+        """Write the interactive page; see :meth:`page` for the arguments."""
+        _foldpath.write_text(file, self.page(**given))
 
-    def save_plot(self, file: File) -> None:
-        """Write the picture of the curves, an SVG file; ``foldpath plot`` writes PNG files too."""
+    def plot(self, *, areal_density: float | None = None, **load: Any) -> str:
+        """Return a picture of the curves along the motion, as SVG: angles, deformation, gap and clearance.
+
+        With ``areal_density`` it has the torques of the drivers as well; ``load`` may have ``fixed``, ``gravity``, ``spring`` and
+        ``unit`` of :func:`loads`.
+        """
+        return self._path.plot(_load_if_given(self, areal_density, load), is_forked())
+
+    def save_plot(self, file: File, **given: Any) -> None:
+        """Write the picture of the curves, an SVG file; see :meth:`plot`. ``foldpath plot`` writes PNG files too."""
         if not os.fsdecode(file).lower().endswith(".svg"):
             raise FoldpathError(f"{os.fsdecode(file)}: expected a name that ends in .svg")
-        _foldpath.write_text(file, self.plot())
+        _foldpath.write_text(file, self.plot(**given))
 
     def export(
         self,
@@ -311,34 +331,10 @@ def load(source: Source) -> Motion:
     return Motion(_foldpath.Path.parse("<bytes>", content(source)))
 
 
-class Verdict:
-    """A verdict on a motion."""
+class Verdict(Answer):
+    """A verdict on a motion: the outcome is ``holds``, ``fails`` or ``undecided``."""
 
-    __slots__ = ("_told",)
-    _told: dict[str, Any]
-
-    def __init__(self, told: dict[str, Any]) -> None:
-        self._told = told
-
-    @property
-    def outcome(self) -> str:
-        """``holds``, ``fails`` or ``undecided``."""
-        outcome: str = self._told["outcome"]
-        return outcome
-
-    @property
-    def reason(self) -> str | None:
-        """Why it does not hold."""
-        reason: str | None = self._told["reason"]
-        return reason
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the object of ``foldpath check --json``."""
-        return dict(self._told)
-
-    def __repr__(self) -> str:
-        reason = f": {self.reason}" if self.reason else ""
-        return f"<foldpath.Verdict {self.outcome}{reason}>"
+    __slots__ = ()
 
 
 def check(
@@ -370,7 +366,7 @@ def check(
     motion, jobs = given.pop("motion"), given.pop("jobs")
     if not isinstance(motion, Motion):
         motion = load(motion)
-    return Verdict(json.loads(motion._path.check(options(given), threads(jobs), is_forked())))
+    return Verdict._of(motion._path.check(options(given), threads(jobs), is_forked()))
 
 
 def tolerance(
@@ -398,7 +394,7 @@ def loads(
     areal_density: float,
     *,
     fixed: int | None = None,
-    gravity: tuple[float, float, float] = (0.0, 0.0, -9.80665),
+    gravity: tuple[float, float, float] = GRAVITY,
     spring: float | Mapping[int, float] | ArrayLike = 0.0,
     drivers: int | None = None,
     drives: File | list[tuple[str, float, float]] | None = None,
@@ -418,6 +414,23 @@ def loads(
     """
     if not isinstance(motion, Motion):
         motion = load(motion)
+    weight = _load(motion, areal_density, fixed=fixed, gravity=gravity, spring=spring, unit=unit)
+    kinds = _foldpath.read_drives(drives) if isinstance(drives, (str, os.PathLike)) else drives or []
+    told = motion._path.loads(weight, drivers, kinds, timeout, threads(jobs), is_forked())
+    answer: dict[str, Any] = json.loads(told)
+    return answer
+
+
+def _load(
+    motion: Motion,
+    areal_density: float,
+    *,
+    fixed: int | None = None,
+    gravity: tuple[float, float, float] = GRAVITY,
+    spring: float | Mapping[int, float] | ArrayLike = 0.0,
+    unit: str | None = None,
+) -> dict[str, Any]:
+    """Return a load as the extension module takes it; see :func:`loads`."""
     everywhere, single = 0.0, []
     if isinstance(spring, Mapping):
         single = [(operator.index(edge), float(stiffness)) for edge, stiffness in spring.items()]
@@ -426,11 +439,20 @@ def loads(
         single = [(int(edge), float(stiffness[edge])) for edge in np.flatnonzero(~np.isnan(stiffness))]
     else:
         everywhere = float(spring)  # type: ignore[arg-type]
-    x, y, z = gravity
-    weight = (float(x), float(y), float(z))
-    kinds = _foldpath.read_drives(drives) if isinstance(drives, (str, os.PathLike)) else drives or []
-    told = motion._path.loads(
-        float(areal_density), fixed, weight, everywhere, single, drivers, kinds, unit, timeout, threads(jobs), is_forked()
-    )
-    answer: dict[str, Any] = json.loads(told)
-    return answer
+    return {
+        "areal_density": float(areal_density),
+        "fixed": fixed,
+        "gravity": shaped(gravity, "gravity", (3,)).tolist(),
+        "spring": everywhere,
+        "springs": single,
+        "unit": unit,
+    }
+
+
+def _load_if_given(motion: Motion, areal_density: float | None, given: dict[str, Any]) -> dict[str, Any] | None:
+    """Return a load as the extension module takes it, or None without a mass."""
+    if areal_density is not None:
+        return _load(motion, areal_density, **given)
+    if given:
+        raise FoldpathError(f"{next(iter(given))}: expected with areal_density")
+    return None

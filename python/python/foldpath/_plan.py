@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
@@ -14,39 +13,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _foldpath
+from ._answer import Answer
 from ._convert import File, degrees, is_forked, options, shaped, threads, to_json
 from ._error import FoldpathError
 from ._motion import Motion
 from ._pattern import READING, Pattern, Source, read
 
 
-class Plan:
-    """The answer to :func:`plan`."""
+class Plan(Answer):
+    """The answer to :func:`plan`: the outcome is ``planned`` if the goal is reached and everything asked is proved."""
 
-    __slots__ = ("_json", "_motion", "_outcome", "_reason")
-    _outcome: str
-    _reason: str | None
-    # The text of the answer is made when it is asked for, as it takes about as long as a small plan.
-    _json: Callable[[], str]
+    __slots__ = ("_motion",)
     _motion: Motion | None
 
     def __init__(
-        self, outcome: str, reason: str | None, json: Callable[[], str], motion: Motion | None
+        self, outcome: str, reason: str | None, text: Union[str, Callable[[], str]], motion: Motion | None
     ) -> None:
-        self._outcome = outcome
-        self._reason = reason
-        self._json = json
+        super().__init__(outcome, reason, text)
         self._motion = motion
-
-    @property
-    def outcome(self) -> str:
-        """``planned`` if the goal is reached and everything asked is proved; else why not, in a word."""
-        return self._outcome
-
-    @property
-    def reason(self) -> str | None:
-        """Why the outcome is not ``planned``, in a sentence."""
-        return self._reason
 
     @property
     def motion(self) -> Motion | None:
@@ -56,22 +40,8 @@ class Plan:
         """
         return self._motion
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the object of ``foldpath plan --json``."""
-        told: dict[str, Any] = json.loads(self._json())
-        return told
-
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self._outcome, self._reason, self._json(), self._motion)
-
-    def __repr__(self) -> str:
-        reason = f": {self.reason}" if self.reason else ""
-        return f"<foldpath.Plan {self.outcome}{reason}>"
-
-
-def _again(outcome: str, reason: str | None, text: str, motion: Motion | None) -> Plan:
-    """Make an answer again that was pickled."""
-    return Plan(outcome, reason, lambda: text, motion)
+        return Plan, (self._outcome, self._reason, self._json(), self._motion)
 
 
 def plan(

@@ -2,39 +2,28 @@
 
 from __future__ import annotations
 
-import json
 import os
-from typing import Any, Literal
+from typing import Literal
 
 from . import _foldpath
+from ._answer import Answer
 from ._convert import options
 from ._pattern import Pattern, Source, content
 
 
-class Unfolding:
-    """The answer to :func:`unfold`."""
+class Unfolding(Answer):
+    """The answer to :func:`unfold`: the outcome is ``unfolded``, ``not_developable`` or ``overlap``."""
 
-    __slots__ = ("_notes", "_pattern", "_told")
-    _told: dict[str, Any]
+    __slots__ = ("_notes", "_pattern")
     _notes: list[str]
     _pattern: Pattern | None
 
-    def __init__(self, told: dict[str, Any], notes: list[str], pattern: Pattern | None) -> None:
-        self._told = told
+    def __init__(
+        self, outcome: str, reason: str | None, text: str, notes: list[str], pattern: Pattern | None
+    ) -> None:
+        super().__init__(outcome, reason, text)
         self._notes = notes
         self._pattern = pattern
-
-    @property
-    def outcome(self) -> str:
-        """``unfolded``, ``not_developable`` or ``overlap``."""
-        outcome: str = self._told["outcome"]
-        return outcome
-
-    @property
-    def reason(self) -> str | None:
-        """Why there is no pattern, in a sentence."""
-        reason: str | None = self._told["reason"]
-        return reason
 
     @property
     def notes(self) -> list[str]:
@@ -45,14 +34,6 @@ class Unfolding:
     def pattern(self) -> Pattern | None:
         """The crease pattern, whose goal is the shape; ``None`` if there is none."""
         return self._pattern
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the object of ``foldpath unfold --json``."""
-        return dict(self._told)
-
-    def __repr__(self) -> str:
-        reason = f": {self.reason}" if self.reason else ""
-        return f"<foldpath.Unfolding {self.outcome}{reason}>"
 
 
 def unfold(
@@ -86,4 +67,4 @@ def unfold(
     named = isinstance(shape, (str, os.PathLike))
     name, data = (shape, None) if named else ("<bytes>", content(shape))
     told, notes, sheet = _foldpath.unfold(name, data, options(given))  # type: ignore[arg-type]
-    return Unfolding(json.loads(told), notes, None if sheet is None else Pattern._of(sheet))
+    return Unfolding._of(told, notes, None if sheet is None else Pattern._of(sheet))

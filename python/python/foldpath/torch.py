@@ -9,8 +9,9 @@
 True
 
 Tensors are 64-bit floats on the CPU; others are converted, and so are their gradients. Derivatives are those of
-``torch.autograd``, backwards and with the dual numbers of ``torch.autograd.forward_ad``; ``torch.func`` needs functions that
-are written in PyTorch.
+``torch.autograd``, backwards and with the dual numbers of ``torch.autograd.forward_ad``, and those of ``torch.func``: ``grad``,
+``vjp``, ``jvp``, ``jacrev``, ``jacfwd`` and ``vmap``, which folds the sheets of a batch one after the other. Second derivatives
+raise :class:`foldpath.FoldpathError`.
 """
 
 # Types are checked where PyTorch is installed and where it is not.
@@ -22,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from ._error import FoldpathError
 from ._folded import Closed, Folded, missing
 from ._motion import Motion
 from ._pattern import Pattern
@@ -70,16 +72,44 @@ def _array(tensor: torch.Tensor) -> Any:
     return tensor.detach().to("cpu", torch.float64).contiguous().numpy()
 
 
-def _like(array: Any, tensor: torch.Tensor) -> torch.Tensor:
-    return torch.as_tensor(np.asarray(array)).to(tensor)
+def _each(function: Any, info: Any, in_dims: Any, what: Any, *tensors: torch.Tensor) -> tuple[Any, Any]:
+    """Apply a function to each part of a batch: the rule of its ``vmap``."""
+
+    def part(i: int) -> Any:
+        return (at if dim is None else at.select(dim, i) for at, dim in zip(tensors, in_dims[1:]))
+
+    results = [function.apply(what, *part(i)) for i in range(info.batch_size)]
+    if isinstance(results[0], torch.Tensor):
+        return torch.stack(results), 0
+    return tuple(torch.stack(each) for each in zip(*results)), (0,) * len(results[0])
+
+
+class _Numpy(torch.autograd.Function):
+    """A function of numpy's arrays: derivatives are such functions, so that they may be mapped, and have none themselves."""
+
+    @staticmethod
+    def forward(work: Any, *tensors: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        return tuple(torch.as_tensor(np.asarray(array)) for array in work(*map(_array, tensors)))
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        pass
+
+    @staticmethod
+    def backward(ctx: Any, *by: torch.Tensor) -> Any:
+        raise FoldpathError("second derivatives are not known")
+
+    jvp = backward
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, work: Any, *tensors: torch.Tensor) -> Any:
+        return _each(_Numpy, info, in_dims, work, *tensors)
 
 
 class _Fold(torch.autograd.Function):
     @staticmethod
     def forward(folded: Folded, vertices: torch.Tensor, drivers: torch.Tensor) -> Any:
-        flat, driven = folded.arguments(_array(vertices), _array(drivers))
-        angles, places = folded.fold(flat, driven)
-        return torch.as_tensor(angles), torch.as_tensor(places)
+        return _Numpy.forward(lambda *given: folded.fold(*folded.arguments(*given)), vertices, drivers)
 
     @staticmethod
     def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
@@ -90,15 +120,17 @@ class _Fold(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, by_angles: torch.Tensor, by_places: torch.Tensor) -> Any:
         vertices, drivers, angles = ctx.saved_tensors
-        gradients = ctx.folded.vjp(_array(vertices), _array(angles), _array(by_angles), _array(by_places))
-        return None, _like(gradients[0], vertices), _like(gradients[1], drivers)
+        gradients = _Numpy.apply(ctx.folded.vjp, vertices, angles, by_angles, by_places)
+        return None, gradients[0].to(vertices), gradients[1].to(drivers)
 
     @staticmethod
     def jvp(ctx: Any, _folded: Any, change: Any, driven: Any) -> Any:
         vertices, drivers, angles = ctx.saved_tensors
-        given = [np.zeros(at.shape) if by is None else _array(by) for at, by in ((vertices, change), (drivers, driven))]
-        rates = ctx.folded.jvp(_array(vertices), _array(angles), *given)
-        return tuple(torch.as_tensor(rate) for rate in rates)
+        return _Numpy.apply(ctx.folded.jvp, vertices, angles, _rate(change, vertices), _rate(driven, drivers))
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, *given: Any) -> Any:
+        return _each(_Fold, info, in_dims, *given)
 
 
 class _Closure(torch.autograd.Function):
@@ -115,11 +147,19 @@ class _Closure(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, by: torch.Tensor) -> Any:
         angles, vertices = ctx.saved_tensors
-        gradients = ctx.closed.vjp(_array(angles), _array(vertices), _array(by))
-        return None, _like(gradients[0], angles), _like(gradients[1], vertices)
+        gradients = _Numpy.apply(ctx.closed.vjp, angles, vertices, by)
+        return None, gradients[0].to(angles), gradients[1].to(vertices)
 
     @staticmethod
     def jvp(ctx: Any, _closed: Any, turned: Any, moved: Any) -> torch.Tensor:
         angles, vertices = ctx.saved_tensors
-        given = [np.zeros(at.shape) if by is None else _array(by) for at, by in ((angles, turned), (vertices, moved))]
-        return torch.as_tensor(ctx.closed.jvp(_array(angles), _array(vertices), *given))
+        changes = _rate(turned, angles), _rate(moved, vertices)
+        return _Numpy.apply(lambda *given: (ctx.closed.jvp(*given),), angles, vertices, *changes)[0]
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, *given: Any) -> Any:
+        return _each(_Closure, info, in_dims, *given)
+
+
+def _rate(change: torch.Tensor | None, of: torch.Tensor) -> torch.Tensor:
+    return torch.zeros_like(of) if change is None else change

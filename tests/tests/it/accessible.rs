@@ -7,15 +7,18 @@
 use std::path::PathBuf;
 
 use foldpath::motion::PlateOptions;
+use foldpath::pattern::Unit;
 use foldpath::planner::{PlanOptions, PlateRequest};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
 use foldpath::read::parse_pattern;
+use foldpath::sensitivity::{Loads, Tolerance};
 use foldpath::view::{Scene, page, pattern_page};
 use foldpath_tests::{Planned, path_file, pattern_file};
 use serde_json::json;
 
 use crate::chromium::View;
+use crate::loads::load;
 
 /// Returns the text of axe-core; prints that the test is skipped and returns `None` if it is not there.
 fn axe() -> Option<String> {
@@ -100,6 +103,15 @@ fn pages_of_paths_and_patterns_have_no_violation() {
         view.run("help.showModal()");
         assert_accessible(&format!("{name}-help"), &view, &axe);
     }
+    let mut motion = path_file(&Planned::new("waterbomb-4x6", &defaults).text()).unwrap();
+    motion.measured_in(Unit::Millimetre);
+    let tolerance = Tolerance::of(&motion, Watch::default()).unwrap();
+    let load = load([0.0, 0.0, -9.81], 0.0, None);
+    let loads = Loads::least(&motion, &load, Watch::default()).unwrap();
+    let asked = Scene::of_path(&motion).with_tolerance(&motion, &tolerance, Some(0.01));
+    let view = View::open(&asked.with_torques(&motion, &loads), &[]);
+    view.run("foldpath.setPosition(0.5); select(scene.turns.findIndex(turn => turn))");
+    assert_accessible("asked", &view, &axe);
     let PatternFile { title, pattern } = file("kresling-2x6");
     let view = View::open_page(&pattern_page(&title, &pattern, Watch::default()), &[]);
     assert_accessible("pattern", &view, &axe);

@@ -10,12 +10,13 @@ use foldpath::collision::{Plates, Trims};
 use foldpath::folding::FoldingMap;
 use foldpath::generate::{Letters, Miura, SquareTwist};
 use foldpath::motion::PlateOptions;
-use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, Letter};
+use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, EdgeId, Letter, Unit};
 use foldpath::planner::{Goal, PlanOptions, PlateRequest, plan};
 use foldpath::progress::Watch;
 use foldpath::read::fold::PatternFile;
 use foldpath::read::parse_pattern;
 use foldpath::request::PatternInfo;
+use foldpath::sensitivity::{Loads, Tolerance};
 use foldpath::view::{Scene, page, pattern_page};
 use foldpath_core::Interpolation;
 use foldpath_tests::{Animation, Planned, path_file, strict};
@@ -23,6 +24,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use serde_json::{Value, json};
 
 use crate::chromium::{PATIENCE, SHIFT, View};
+use crate::loads::load;
 
 /// Returns the page's data for a planned path, which is written and read again.
 fn scene(planned: &Planned) -> Scene {
@@ -712,6 +714,134 @@ fn plates_have_a_slider_that_tells_what_is_proved() {
     let paper = View::open(&scene(&thin), &[]);
     paper.run("foldpath.setPosition(1)");
     assert_eq!(paper.run("element('plates').hidden"), json!(true));
+    view.assert_quiet();
+}
+
+/// Play colours the hinges and marks vertices; torques are a panel of curves; both are what the library tells.
+#[test]
+fn play_and_torques_are_shown_to_those_who_ask() {
+    let mut motion = path_file(&planned("waterbomb-4x6").text()).unwrap();
+    motion.measured_in(Unit::Millimetre);
+    let tolerance = Tolerance::of(&motion, Watch::default()).unwrap();
+    let load = load([0.0, 0.0, -9.81], 1e-9, None);
+    let loads = Loads::least(&motion, &load, Watch::default()).unwrap();
+    let plain = Scene::of_path(&motion);
+    let error = 1e-3;
+    let scene = (plain
+        .clone()
+        .with_tolerance(&motion, &tolerance, Some(error)))
+    .with_torques(&motion, &loads);
+    assert!(!page(&plain).contains("ranked"), "nobody asked");
+
+    let view = View::open(&scene, &[]);
+    let worst = tolerance.worst().unwrap();
+    let edge = motion.pattern.creases()[worst.crease.index()];
+    // The median edge is 1 mm.
+    let play = format!("{:.4}", (error * worst.worst).to_degrees());
+    let told = view.text("#tolerance");
+    assert!(
+        told.contains(&format!("need play of up to {play}° or ")),
+        "{told}"
+    );
+    let costs = &tolerance.vertices;
+    let costly = (0..costs.len()).max_by(|&a, &b| costs[a].total_cmp(&costs[b]).then(b.cmp(&a)));
+    assert!(
+        told.contains(&format!("vertex {}: ", costly.unwrap())),
+        "{told}"
+    );
+    let width = |edge: EdgeId| {
+        let width = view.run(&format!("lineStyles[{}]", 4 * edge.index() + 3));
+        width.as_f64().unwrap() / 16.0
+    };
+    for hinge in &tolerance.hinges {
+        let edge = motion.pattern.creases()[hinge.crease.index()];
+        let expected = 1.0 + 2.0 * hinge.worst / worst.worst;
+        assert!((width(edge) - expected).abs() < 0.07, "{edge}");
+    }
+    // The keys 5 and 6 are those of play, and the worst hinge is picked by its button, which goes to its time.
+    let [worst_drawn, expected_drawn] = ["5", "6"].map(|key| {
+        view.key(key);
+        (view.drawn(), view.text("#lines"))
+    });
+    assert_ne!(worst_drawn.0, expected_drawn.0);
+    assert!(
+        worst_drawn.1.contains(&format!("{play}°")),
+        "{}",
+        worst_drawn.1
+    );
+    view.key("5");
+    view.tab_to("document.activeElement.textContent.startsWith('hinge ')");
+    view.key(" ");
+    assert_eq!(view.run("foldpath.view.selected"), json!(edge.index()));
+    let at = view.run("timeNow()").as_f64().unwrap();
+    assert!((at - worst.at).abs() < 1e-9, "{at}");
+    let hinge = view.text("#hinge");
+    assert!(
+        hinge.contains(worst.kind.name()) && hinge.contains("may be"),
+        "{hinge}"
+    );
+    view.key("Escape");
+    // Hinges that may be cut have a colour of their own, until a button takes it away.
+    let redundant = tolerance.redundant.len();
+    let button = view.text("#tolerance > button");
+    assert!(
+        button.starts_with(&format!("{redundant} hinges of which each may be cut")),
+        "{button}"
+    );
+    let lit = view.drawn();
+    view.click("#tolerance > button");
+    assert_ne!(view.drawn(), lit);
+    // A vertex that is picked has a mark in the colour of what is picked.
+    let vertex = view.run("ranked[0].vertex").as_u64().unwrap();
+    view.run("document.querySelectorAll('#tolerance ol')[1].querySelector('button').click()");
+    let pixel = format!(
+        "(() => {{
+           picture.draw();
+           const gl = canvas.getContext('webgl2'), at = onCanvas(canvas).slice(3 * {vertex}), pixel = new Uint8Array(4);
+           gl.readPixels(at[0] * devicePixelRatio, canvas.height - at[1] * devicePixelRatio, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+           return Math.max(...rgb('--selected').map((part, i) => Math.abs(255 * part - pixel[i])));
+         }})()"
+    );
+    assert!(
+        view.run(&pixel).as_f64().unwrap() < 2.0,
+        "{}",
+        view.run(&pixel)
+    );
+
+    // Curves have the torques at the times of the shapes, and the marker of the present time stands where it is told.
+    for (k, driver) in loads.drivers.iter().enumerate() {
+        let edge = motion.pattern.creases()[driver.index()];
+        let curve = format!("torqueCurves.find(it => it.name === 'hinge {edge}')");
+        if view.run(&format!("{curve} === undefined")) == json!(true) {
+            assert!(
+                loads.drivers.len() > 12,
+                "all are drawn that can be told apart"
+            );
+            continue;
+        }
+        for (time, torques) in loads.times.iter().zip(&loads.torques) {
+            // A singular shape has the torques of a time beside it.
+            if scene
+                .shapes
+                .iter()
+                .all(|shape| (shape.time - time).abs() > 1e-12)
+            {
+                continue;
+            }
+            let told = view.run(&format!("foldpath.setTime({time}); {curve}.now()"));
+            let torque = torques[k];
+            assert!(
+                (told.as_f64().unwrap() - torque).abs() <= 1e-9 * torque.abs(),
+                "{told} {torque}"
+            );
+        }
+    }
+    assert_eq!(
+        view.run("document.querySelectorAll('#torques .now').length"),
+        json!(1)
+    );
+    let peak = view.text("figure:has(#torques) h2");
+    assert!(peak.starts_with("Torques of"), "{peak}");
     view.assert_quiet();
 }
 

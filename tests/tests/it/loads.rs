@@ -119,7 +119,7 @@ impl Case {
     }
 }
 
-fn load(gravity: [f64; 3], spring: f64, fixed: Option<u32>) -> Load {
+pub(crate) fn load(gravity: [f64; 3], spring: f64, fixed: Option<u32>) -> Load {
     Load {
         areal_density: 0.8,
         fixed: fixed.map(FaceId),

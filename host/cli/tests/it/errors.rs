@@ -146,6 +146,13 @@ fn usage() {
         loads path.fold --areal-density 1 --unit mm --drives drives.csv
         loads path.fold --areal-density 1 --unit mm --drives designs.jsonl
         view path.fold
+        view path.fold -o a.html --error 1 --play 1
+        view path.fold -o a.html --error 0
+        view path.fold -o a.html --areal-density 1
+        view path.fold -o a.html --spring 1
+        view path.fold -o a.html --layers CUT=C
+        view miura.fold -o a.html --error 1
+        plot path.fold -o a.svg --dashes V
         plan - --goal -
         plan - --via - --via -
         stream - --to sim --sheet -
