@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::CliError;
-use crate::standard::argument;
+use crate::standard::{argument, is_stdin};
 use foldpath::pattern::{CreasePattern, PatternError};
 use foldpath::planner::{GoalError, Note, Plan, Reason};
 use foldpath::read::{FileError, Mistaken};
@@ -15,6 +15,10 @@ use foldpath::unfold::{Reason as UnfoldReason, ShapeError};
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
         CliError::File(error) => of_file(error, &head(error.path())),
+        // The content of bytes said their format, not the ending of a name.
+        CliError::Piped { error, bytes } if error.mistaken(bytes) == Some(Mistaken::Unknown) => {
+            None
+        }
         CliError::Piped { error, bytes } => of_file(error, bytes),
         CliError::Request(error @ RequestError::Goal { source, file, .. }) => {
             Some(match Suggestion::of_error(error) {
@@ -169,10 +173,11 @@ fn of_goal(error: &GoalError, file: &str) -> Option<String> {
 /// Number of bytes at the beginning of a file by which its format is recognised.
 const HEAD_BYTES: u64 = 512;
 
-/// Returns the first bytes of a file. Pipes and devices are not read: for these there are none.
+/// Returns the first bytes of a file. Pipes and devices are not read: for these there are none, as for stdin.
 fn head(path: &Path) -> Vec<u8> {
     let mut head = Vec::new();
-    if std::fs::metadata(path).is_ok_and(|found| found.is_file())
+    if !is_stdin(path)
+        && std::fs::metadata(path).is_ok_and(|found| found.is_file())
         && let Ok(file) = std::fs::File::open(path)
     {
         // A hint is no reason for another error.

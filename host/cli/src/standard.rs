@@ -47,7 +47,7 @@ pub(crate) fn shown(path: &Path) -> Cow<'_, str> {
 }
 
 /// Returns `true` if the name of a file in a message stands for stdin.
-fn is_stdin(path: &Path) -> bool {
+pub(crate) fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == STDIN
 }
 

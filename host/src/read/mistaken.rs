@@ -15,6 +15,8 @@ pub enum Mistaken {
     Trajectory,
     /// Another one, with what to do about it.
     Other(&'static str),
+    /// None that is known, under a name whose ending says none either.
+    Unknown,
 }
 
 impl fmt::Display for Mistaken {
@@ -29,6 +31,7 @@ impl fmt::Display for Mistaken {
             }
             Self::Trajectory => f.write_str("it is a path for a controller, made of a FOLD file"),
             Self::Other(advice) => f.write_str(advice),
+            Self::Unknown => f.write_str(ENDINGS),
         }
     }
 }
@@ -160,7 +163,7 @@ fn of_text(head: &[u8], ending: &str) -> Option<Mistaken> {
     } else if Format::of_content(head) == Format::Dxf {
         DXF
     } else if !first.starts_with('{') && !matches!(ending, "fold" | "json") {
-        ENDINGS
+        return Some(Mistaken::Unknown);
     } else {
         return None;
     }))
