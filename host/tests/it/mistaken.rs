@@ -1,4 +1,4 @@
-//! What is told of files in formats that are not read.
+//! Tests what errors tell of files in formats that are not read.
 
 use std::path::Path;
 
