@@ -11,7 +11,7 @@ pub(super) struct Document {
     json: Json,
 }
 
-/// What errors expect of the whole file.
+/// Description of a whole file, which errors expect.
 pub(crate) const A_DOCUMENT: &str = "a FOLD object";
 
 impl Document {
