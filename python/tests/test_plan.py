@@ -110,6 +110,11 @@ def test_errors_have_the_text_of_the_command_line(command: Command, tmp_path: Pa
         fp.plan(path, symmetry="on")  # type: ignore[arg-type]
     with pytest.raises(fp.FoldpathError, match="--goal: expected without --fold"):
         fp.plan(path, goal=path, fold=0.5)
+    photo = tmp_path / "photo.jpg"
+    photo.write_bytes(b"\xff\xd8\xff\xe0")
+    with pytest.raises(fp.FoldpathError) as caught:
+        fp.plan(photo)
+    assert caught.value.hint is not None and "picture of pixels" in caught.value.hint
     with pytest.raises(fp.FoldpathError, match="expected when the pattern is read"):
         fp.plan(fp.read(path), tolerance=0.1)
     with pytest.raises(TypeError):

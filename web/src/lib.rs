@@ -17,7 +17,7 @@ use foldpath::export::{ExportOptions, FORMATS, Place, Source};
 use foldpath::motion::{Motion, PlanAnswer};
 use foldpath::progress::Watch;
 use foldpath::read::fold::{PatternFile, parse_motion};
-use foldpath::read::{parse_pattern_with, parse_shape};
+use foldpath::read::{FileError, parse_pattern_with, parse_shape};
 use foldpath::request::{
     self, CheckJson, CheckRequest, FAMILIES, InputJson, Kind, PatternInfo, PlanJson, PlanRequest,
     ReadingRequest, Request, RequestError, Suggestion,
@@ -108,7 +108,7 @@ pub fn info(name: &str, bytes: &[u8], options: &str) -> Result<String, JsError> 
 #[wasm_bindgen]
 pub fn unfold(name: &str, bytes: &[u8]) -> Result<String, JsError> {
     let path = Path::new(name);
-    let file = parse_shape(path, bytes, None, None).map_err(refusal)?;
+    let file = parse_shape(path, bytes, None, None).map_err(|error| unread(&error, bytes))?;
     let unfolding = unfold_shape(&file.shape, &UnfoldOptions::default()).map_err(refusal)?;
     match (&unfolding.drawing, unfolding.reason) {
         (Some(drawing), _) => {
@@ -142,7 +142,7 @@ pub fn check(
 ) -> Result<String, JsError> {
     let request: CheckRequest = request(options)?;
     let options = request.options().map_err(refusal)?;
-    let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
+    let motion = parse_motion(Path::new(name), bytes).map_err(|error| unread(&error, bytes))?;
     let verdict = told::with(told, |progress| check_watched(&motion, &options, progress));
     serde_json::to_string(&CheckJson::of(&motion, &verdict)).map_err(refusal)
 }
@@ -153,7 +153,7 @@ pub fn check(
 /// If the bytes hold no path.
 #[wasm_bindgen]
 pub fn view(name: &str, bytes: &[u8]) -> Result<String, JsError> {
-    let motion = parse_motion(Path::new(name), bytes).map_err(refusal)?;
+    let motion = parse_motion(Path::new(name), bytes).map_err(|error| unread(&error, bytes))?;
     Ok(page(&Scene::of_path(&motion)))
 }
 
@@ -283,7 +283,7 @@ impl Planned {
 
 fn read(name: &str, bytes: &[u8], reading: &ReadingRequest) -> Result<PatternFile, JsError> {
     let options = reading.options().map_err(refusal)?;
-    parse_pattern_with(Path::new(name), bytes, &options).map_err(refusal)
+    parse_pattern_with(Path::new(name), bytes, &options).map_err(|error| unread(&error, bytes))
 }
 
 /// Returns the options of a JSON object; empty text has none.
@@ -305,16 +305,23 @@ fn as_text(suggestions: &[Suggestion]) -> String {
 /// Makes an error of a request that cannot be met. It has the hint in its message, and the change that may help.
 fn unmet(error: &RequestError) -> JsValue {
     let hint = match error {
-        RequestError::Option {
-            hint: Some(hint), ..
-        } => format!(" ({hint})"),
-        _ => String::new(),
+        RequestError::Option { hint, .. } => hint.as_ref(),
+        _ => None,
     };
     let suggestions: Vec<Suggestion> = Suggestion::of_error(error).into_iter().collect();
-    let error = Error::new(&format!("{error}{hint}"));
+    let error = Error::new(&with_hint(error, hint));
     // A property of a new object can always be set.
     let _ = Reflect::set(&error, &"suggestions".into(), &as_text(&suggestions).into());
     error.into()
+}
+
+/// Makes an error of bytes that cannot be read. It says which format they seem to have, if they are not what their name says.
+fn unread(error: &FileError, bytes: &[u8]) -> JsError {
+    JsError::new(&with_hint(error, error.mistaken(bytes)))
+}
+
+fn with_hint(error: impl Display, hint: Option<impl Display>) -> String {
+    hint.map_or_else(|| error.to_string(), |hint| format!("{error} ({hint})"))
 }
 
 fn refusal(error: impl Display) -> JsError {

@@ -7,15 +7,19 @@ use crate::CliError;
 use crate::standard::{argument, is_stdin};
 use foldpath::pattern::{CreasePattern, PatternError};
 use foldpath::planner::{GoalError, Note, Plan, Reason};
-use foldpath::read::FileError;
+use foldpath::read::{FileError, Mistaken};
 use foldpath::request::{PlanRequest, RequestError, Suggestion, two_digits_above};
 use foldpath::unfold::{Reason as UnfoldReason, ShapeError};
 
 /// Returns a hint on how to correct an error, if there is one.
 pub(crate) fn hint(error: &CliError) -> Option<String> {
     match error {
-        CliError::File(error) => of_file(error),
-        CliError::Piped { error, .. } => of_file(error),
+        CliError::File(error) => of_file(error, &head(error.path())),
+        // The content of bytes said their format, not the ending of a name.
+        CliError::Piped { error, bytes } if error.mistaken(bytes) == Some(Mistaken::Unknown) => {
+            None
+        }
+        CliError::Piped { error, bytes } => of_file(error, bytes),
         CliError::Request(error @ RequestError::Goal { source, file, .. }) => {
             Some(match Suggestion::of_error(error) {
                 Some(change) if change.option == "fold" => {
@@ -84,7 +88,18 @@ fn max_defect_for(error: f64) -> String {
     format!("`--max-defect {most}` takes that for noise")
 }
 
-fn of_file(error: &FileError) -> Option<String> {
+/// Returns a hint on an error of a file. `head` has the bytes at its beginning.
+fn of_file(error: &FileError, head: &[u8]) -> Option<String> {
+    if let Some(mistaken) = error.mistaken(head) {
+        return Some(match mistaken {
+            Mistaken::Shape(format) => format!(
+                "it seems to be {}, a folded shape: `foldpath unfold` makes a crease pattern of one",
+                format.described()
+            ),
+            Mistaken::Trajectory => format!("{mistaken}: `foldpath stream` sends it"),
+            _ => mistaken.to_string(),
+        });
+    }
     let path = error.path();
     let text = match error {
         FileError::Io { .. } => {
@@ -93,21 +108,14 @@ fn of_file(error: &FileError) -> Option<String> {
                 .filter(|folder| !folder.as_os_str().is_empty())?;
             return (!folder.exists()).then(|| format!("there is no folder {}", folder.display()));
         }
-        FileError::Trajectory { .. } if head(path)?.starts_with('{') => {
+        FileError::Trajectory { .. } if head.trim_ascii_start().starts_with(b"{") => {
             "it seems to be a FOLD file: `foldpath export PATH --to traj` makes what a controller follows of a path"
         }
-        FileError::Syntax { .. } => return of_content(path),
         FileError::Expected { expected, .. } if expected.starts_with("a path, which") => {
             let path = argument(path).display();
             return Some(format!(
                 "`foldpath plan {path} -o path.fold` makes one of a crease pattern"
             ));
-        }
-        FileError::Expected { place, .. } if place == "the file" => return of_content(path),
-        FileError::Expected { place, found, .. }
-            if place == "vertices_coords" && found == "nothing" && ending(path) == "ori" =>
-        {
-            ORIEDITA
         }
         FileError::Expected { place, found, .. } if place == "file_frames" && found == "none" => {
             let path = argument(path).display();
@@ -165,61 +173,15 @@ fn of_goal(error: &GoalError, file: &str) -> Option<String> {
 /// Number of bytes at the beginning of a file by which its format is recognised.
 const HEAD_BYTES: u64 = 512;
 
-/// Returns the first line of a file, within its first bytes, that is neither empty nor a comment with `#`. Pipes and
-/// devices are not read: for these it returns `None`, as for stdin.
-fn head(path: &Path) -> Option<String> {
-    if is_stdin(path) || !std::fs::metadata(path).ok()?.is_file() {
-        return None;
-    }
+/// Returns the first bytes of a file. Pipes and devices are not read: for these there are none, as for stdin.
+fn head(path: &Path) -> Vec<u8> {
     let mut head = Vec::new();
-    let file = std::fs::File::open(path).ok()?;
-    file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
-    let text = String::from_utf8_lossy(&head);
-    let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'))?;
-    Some(first.into())
-}
-
-/// Hint for a file of Oriedita.
-const ORIEDITA: &str = "it seems to be a file of Oriedita: export the drawing as CP or FOLD, with a name in .cp or .fold";
-
-/// Returns the ending of a file's name, in small letters.
-fn ending(path: &Path) -> String {
-    let ending = path.extension().unwrap_or_default();
-    ending.to_string_lossy().to_ascii_lowercase()
-}
-
-/// Returns a hint on the format that a file seems to have if it is no FOLD file.
-fn of_content(path: &Path) -> Option<String> {
-    let first = head(path)?;
-    let words = first.split_whitespace();
-    let numbers = words.filter(|word| word.parse::<f64>().is_ok()).count();
-    let ending = ending(path);
-    let text = if ending == "ori" {
-        ORIEDITA
-    } else if ending == "orh" {
-        "it seems to be a file of Orihime or Oriedita: export the drawing as CP or FOLD, with a name in .cp or .fold"
-    } else if matches!(ending.as_str(), "pdf" | "ai" | "eps") {
-        "only lines in SVG are read: export the drawing as SVG, with a name in .svg"
-    } else if ending == "tmd5" || first == "tree" {
-        "it seems to be a file of TreeMaker: export its crease pattern as FOLD or SVG"
-    } else if ending == "ply" || first == "ply" {
-        "PLY is not read: export the shape as OBJ or STL, of which `foldpath unfold` makes a crease pattern"
-    } else if first.starts_with("FPTJ") {
-        "it is a path for a controller, made of a FOLD file: `foldpath stream` sends it"
-    } else if first.starts_with('<') {
-        "it seems to be a drawing in XML: its name has to end in .svg, or in .opx if ORIPA wrote it"
-    } else if first.starts_with("v ") && numbers >= 3 {
-        "it seems to be an OBJ file, a folded shape: `foldpath unfold` makes a crease pattern of one"
-    } else if ending == "stl" || first.to_ascii_lowercase().starts_with("solid ") {
-        "it seems to be an STL file, a folded shape: `foldpath unfold` makes a crease pattern of one"
-    } else if numbers == 5 {
-        "it seems to be a CP drawing: its name has to end in .cp"
-    } else if !first.starts_with('{') && !matches!(ending.as_str(), "fold" | "json") {
-        "a name's ending says its format: .fold, .svg, .dxf, .cp or .opx, or for folded shapes .obj or .stl, of which `foldpath \
-         unfold` makes a crease pattern; all others are read as FOLD"
-    } else {
-        return None;
-    };
-    Some(text.into())
+    if !is_stdin(path)
+        && std::fs::metadata(path).is_ok_and(|found| found.is_file())
+        && let Ok(file) = std::fs::File::open(path)
+    {
+        // A hint is no reason for another error.
+        let _unread = file.take(HEAD_BYTES).read_to_end(&mut head);
+    }
+    head
 }

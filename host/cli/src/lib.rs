@@ -56,9 +56,12 @@ use foldpath::request::RequestError;
 pub enum CliError {
     #[error(transparent)]
     File(#[from] FileError),
-    /// An error about stdin, with the text that was read.
+    /// An error about stdin, with the bytes that were read.
     #[error("{error}")]
-    Piped { error: Box<FileError>, text: String },
+    Piped {
+        error: Box<FileError>,
+        bytes: Vec<u8>,
+    },
     #[error("stdout: {0}")]
     Output(std::io::Error),
     #[error("{}", options::on_command_line(.0))]

@@ -13,7 +13,7 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use crate::args::Report;
-use crate::standard::source;
+use crate::standard::{source, text};
 use crate::{Answer, CliError, hints};
 use foldpath::pattern::LostLines;
 use foldpath::request::RequestError;
@@ -150,9 +150,10 @@ fn print_error(error: ErrorFields<'_>) {
 fn of_file(error: &CliError) -> Option<(String, Option<Excerpt>)> {
     let (file, place) = match error {
         CliError::File(file) => (file, file.locate()),
-        CliError::Piped { error, text } => {
-            let span = error.locate_in(text);
-            (&**error, span.map(|span| (text.clone(), span)))
+        CliError::Piped { error, bytes } => {
+            let text = text(bytes);
+            let span = error.locate_in(&text);
+            (&**error, span.map(|span| (text, span)))
         }
         _ => return None,
     };

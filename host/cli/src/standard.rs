@@ -122,7 +122,7 @@ impl Input {
         }
     }
 
-    /// Parses the bytes. An error has the text of what cannot be read again.
+    /// Parses the bytes. An error has those that cannot be read again.
     fn parsed<T>(
         &self,
         parse: impl FnOnce(&Path, &[u8]) -> Result<T, FileError>,
@@ -139,7 +139,7 @@ impl Input {
             None => error.into(),
             Some((bytes, _)) => CliError::Piped {
                 error: Box::new(error),
-                text: text(bytes),
+                bytes: bytes.clone(),
             },
         })
     }
@@ -245,7 +245,7 @@ impl Input {
 }
 
 /// Returns bytes as text, without a byte order mark.
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     text.trim_start_matches('\u{feff}').to_string()
 }

@@ -16,6 +16,7 @@ mod format;
 mod joint_names;
 mod locate;
 mod merge;
+mod mistaken;
 mod obj;
 mod options;
 #[cfg(feature = "svg")]
@@ -34,6 +35,7 @@ pub use drives::parse_drives;
 pub use error::FileError;
 pub use format::Format;
 pub use joint_names::JointNames;
+pub use mistaken::Mistaken;
 pub use options::{ColourLetters, LayerLetters, LettersError, ReadOptions, Straighten, TOLERANCE};
 
 use crate::pattern::{CreasePattern, Unit};

@@ -12,6 +12,7 @@ mod fuzz;
 mod generators;
 mod lattice;
 mod messages;
+mod mistaken;
 mod module_order;
 mod nonsense;
 mod overshoot;

@@ -166,6 +166,10 @@ fn a_no_shows_its_place_and_bad_input_is_told() {
     let told = answer(&view);
     assert!(told.contains("vertices_coords"), "{told}");
 
+    drop_file(&view, "scan.svg", "%PDF-1.7");
+    let told = answer(&view);
+    assert!(told.contains("export the drawing as SVG"), "{told}");
+
     drop_file(&view, "line.cp", CP);
     assert!(answer(&view).ends_with(": planned"));
     view.run("options.fold.value = '0.25'; options.dispatchEvent(new Event('change')); 0");

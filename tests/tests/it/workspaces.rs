@@ -80,7 +80,7 @@ fn profiles_are_those_of_the_main_workspace() {
     for folder in OWN {
         let own = read(folder, "Cargo.toml");
         for (table, settings) in tables(&own) {
-            if table == "profile.release.package" {
+            if ["profile.release.package", "profile.dist.package"].contains(&table.as_str()) {
                 // Without the packages that only one of the workspaces has.
                 for (package, setting) in settings {
                     let main = root[&table].get(package);

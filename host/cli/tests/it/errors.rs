@@ -329,6 +329,11 @@ fn wrong_files() {
     for name in ["shape.stl", "shape.txt"] {
         folder.write(name, "solid shape\nendsolid shape\n");
     }
+    // Neither is text.
+    for name in ["photo.jpg", "photo.svg"] {
+        std::fs::write(folder.path(name), b"\x89PNG\r\n\x1a\n").unwrap();
+    }
+    folder.write("part.step", "ISO-10303-21;\n");
     folder.write("events.txt", "0 supply 1\n1 stick 12\n");
     folder.done("generate miura --rows 2 --cols 4 -o other.fold");
     folder.done("plan other.fold -o other-path.fold");
@@ -349,6 +354,9 @@ fn wrong_files() {
         info notes.txt
         plan shape.stl
         info shape.txt
+        info photo.jpg
+        info photo.svg
+        plan part.step
         plan miura.fold --goal missing.fold
         plan miura.fold --goal other.fold
         stream path.traj --to sim --script events.txt

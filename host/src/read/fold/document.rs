@@ -11,6 +11,9 @@ pub(super) struct Document {
     json: Json,
 }
 
+/// Description of a whole file, which errors expect.
+pub(crate) const A_DOCUMENT: &str = "a FOLD object";
+
 impl Document {
     pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, FileError> {
         let path = path.to_path_buf();
@@ -19,12 +22,7 @@ impl Document {
             Ok(json) if json.root().is_object() => Ok(Self { path, json }),
             Ok(json) => {
                 let found = json.root().kind();
-                Err(FileError::expected(
-                    &path,
-                    "the file",
-                    "a FOLD object",
-                    found,
-                ))
+                Err(FileError::expected(&path, "the file", A_DOCUMENT, found))
             }
             Err(error) => Err(FileError::Syntax {
                 path,

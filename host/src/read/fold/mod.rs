@@ -12,6 +12,7 @@ mod pattern;
 mod plane;
 mod shape;
 
+pub(crate) use document::A_DOCUMENT;
 pub use motion::{parse_motion, read_motion};
 pub(super) use pattern::parse_within;
 pub use pattern::{GoalFrames, PatternFile, parse_goals};
