@@ -12,8 +12,8 @@ use crate::planner::options::{PlanOptions, Timing};
 
 /// Places knots on a path, with the interpolation asked for or the one that needs the fewest.
 ///
-/// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots. Returns
-/// `None` if no interpolation keeps the conditions with the largest number of knots.
+/// Homogeneous half angles, which other programs do not know, are taken only if they save most of the knots, or keep the
+/// closure condition farther. Returns `None` if no interpolation keeps the conditions with the largest number of knots.
 pub(crate) fn place(
     path: &ReducedPath,
     constraints: &PlacementConstraints<'_>,
@@ -56,6 +56,14 @@ pub(crate) fn place(
             &sparse
         };
         for law in laws {
+            placer.keeps_to = best.as_ref().map_or(f64::NEG_INFINITY, |best| {
+                let kept = kept_to(best);
+                match kind {
+                    Interpolation::Homogeneous => kept,
+                    // As far is far enough.
+                    _ => kept.next_down(),
+                }
+            });
             let Some(placed) = placer.place(kind, law) else {
                 continue;
             };
@@ -64,8 +72,6 @@ pub(crate) fn place(
                 if placed.open.is_none() {
                     placer.knot_budget = placer.knot_budget.min(placed.knots.len());
                 }
-                // What keeps the condition no farther is not placed to its end.
-                placer.keeps_to = kept_to(&placed);
                 best = Some(placed);
             }
         }

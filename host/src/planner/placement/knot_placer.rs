@@ -55,7 +55,7 @@ pub(super) struct KnotPlacer<'a, 's> {
     solver: &'a mut ClosureSolver<'s>,
     /// Largest number of knots.
     pub(super) knot_budget: usize,
-    /// Path length up to which the motion has to keep the closure condition at least, to be placed at all.
+    /// Path length beyond which the motion has to keep the closure condition, to be placed at all.
     pub(super) keeps_to: f64,
     certifier: SegmentCertifier,
     sheet: Option<SheetBounds<'a>>,
