@@ -31,7 +31,8 @@ impl Turn {
     }
 }
 
-/// Change of a group angle over a step (`by`), and its largest distance from a straight line in time (`off`), radians.
+/// Change of a group angle over a step (`by`), and its largest distance from the part of it that all groups of the step have
+/// made (`off`), radians. This part grows with time, or as the angle of one group does, from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collision) struct Change {
     pub(in crate::collision) by: f64,
