@@ -9,11 +9,8 @@
 use nalgebra::Vector3;
 
 use super::crossing::{Allowed, ConvexPiece};
-use super::planes::{Change, Turn};
+use super::planes::{Change, Moving, Quadratic, Step, Turn};
 use crate::collision::tolerances::MIN_LEAN;
-
-/// Bernstein coefficients of a polynomial of degree 2.
-type Quadratic = [Vector3<f64>; 3];
 
 /// Returns the Bernstein coefficients of the product of two polynomials of degree 2.
 fn product(a: &Quadratic, b: &Quadratic) -> [f64; 5] {
@@ -32,22 +29,6 @@ fn next(corner: usize, count: usize) -> usize {
     if corner + 1 < count { corner + 1 } else { 0 }
 }
 
-/// A corner of the moving piece.
-#[derive(Clone, Debug)]
-struct Corner {
-    /// Position, relative to the first corner of the fixed piece.
-    at: Vector3<f64>,
-    /// Change of position per radian of each turn.
-    rates: Vec<Vector3<f64>>,
-}
-
-/// A corner of the moving piece over a step: where it is, up to an error.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    at: Quadratic,
-    error: f64,
-}
-
 /// The planes through a side of a fixed piece and a side of a moving one that separate the pieces.
 #[derive(Clone, Debug)]
 pub(in crate::collision) struct SidePlanes<'a> {
@@ -56,7 +37,7 @@ pub(in crate::collision) struct SidePlanes<'a> {
     normals: [Vector3<f64>; 2],
     /// Corners of the fixed piece, relative to its first.
     fixed: Vec<Vector3<f64>>,
-    moving: Vec<Corner>,
+    moving: Vec<Moving>,
     /// For each plane, the number of the side of each piece, and the sign of the product of their directions that leads
     /// from the fixed piece to the moving one.
     planes: Vec<([usize; 2], f64)>,
@@ -72,15 +53,13 @@ impl<'a> SidePlanes<'a> {
         allowed: Allowed,
     ) -> Self {
         let origin = piece.corners[0];
-        let corner = |at: &Vector3<f64>| Corner {
-            at: at - origin,
-            rates: turns.iter().map(|turn| turn.rate(at)).collect(),
-        };
         let mut all = Self {
             turns,
             normals: [piece.normal, other.normal],
             fixed: piece.corners.iter().map(|corner| corner - origin).collect(),
-            moving: other.corners.iter().map(corner).collect(),
+            moving: (other.corners.iter())
+                .map(|corner| Moving::new(corner, turns).seen_from(origin))
+                .collect(),
             planes: Vec::new(),
         };
         let sides = (0..all.fixed.len()).flat_map(|a| (0..all.moving.len()).map(move |b| [a, b]));
@@ -182,39 +161,11 @@ impl<'a> SidePlanes<'a> {
     }
 }
 
-impl Corner {
-    /// Follows the corner over a step, given the change of each turn. With ω the direction of a turn times its change, the
-    /// outer before the inner, the position changes by the sum of the ω × r, by the sum of the ω × (ω' × r) of two turns,
-    /// half as much for one and the same, and by no more than a sixth of the product of three turns times the distance
-    /// from the crease of the innermost.
-    fn step(&self, turns: &[Turn], changes: &[Change]) -> Step {
-        let (mut by, mut bent) = (Vector3::zeros(), Vector3::zeros());
-        let (mut error, mut moved) = (0.0, 0.0);
-        let mut before: f64 = changes.iter().map(|change| change.by.abs()).sum();
-        for ((turn, change), rate) in turns.iter().zip(changes).zip(&self.rates).rev() {
-            let size = change.by.abs();
-            // Turns move points rigidly, so that a point moves by at most the sum of the ways of all turns.
-            let reach = rate.norm() + moved;
-            moved += (size + change.off) * rate.norm();
-            let rate = rate * change.by;
-            bent += change.by * turn.about.cross(&(by + rate / 2.0));
-            by += rate;
-            before -= size;
-            error += ((before + size).powi(3) - before.powi(3)) / 6.0 * reach;
-            error += change.off * reach;
-        }
-        Step {
-            at: [self.at, self.at + by / 2.0, self.at + by + bent],
-            error,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::collision::narrow::crossing::crossing_depth;
-    use nalgebra::{Rotation3, Unit};
+    use crate::collision::narrow::planes::rotated;
     use rand_pcg::Pcg64;
     use rand_pcg::rand_core::Rng;
 
@@ -256,17 +207,6 @@ mod tests {
                 1.01 * WITHIN * (1.0 - inwards[0].dot(&inwards[1])) / inwards[0].dot(&right);
             at + 1.01 * WITHIN * inwards[1] + along * right
         })
-    }
-
-    fn rotated(turns: &[Turn], angles: &[f64], point: &Vector3<f64>) -> Vector3<f64> {
-        turns
-            .iter()
-            .zip(angles)
-            .rev()
-            .fold(*point, |at, (turn, angle)| {
-                let about = Unit::new_normalize(turn.about);
-                turn.point + Rotation3::from_axis_angle(&about, *angle) * (at - turn.point)
-            })
     }
 
     /// Pieces whose sides cross in a point turn about the creases of random chains along random curves. Once they are
