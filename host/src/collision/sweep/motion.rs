@@ -528,10 +528,12 @@ mod tests {
                     }))
                 })
                 .collect();
-            let motion = Motion::new(&[curves.clone()], groups);
+            let motion = Motion::new(core::slice::from_ref(&curves), groups);
             let step = SEGMENT / 4 * (1 + case as Tick % 4);
             let mut changes = vec![Change { by: 0.0, off: 0.0 }; groups];
-            let numbers: Vec<u32> = (0..groups).map(|group| u32::try_from(group).unwrap()).collect();
+            let numbers: Vec<u32> = (0..groups)
+                .map(|group| u32::try_from(group).unwrap())
+                .collect();
             motion.changes(&numbers, 0, step, &mut changes);
             let turned = |group: usize, part: f64| {
                 let end = step as f64 / SEGMENT as f64;
