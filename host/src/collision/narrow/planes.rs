@@ -8,6 +8,7 @@
 //! accordion undo each other's turns, in second order too: corners are then followed along parabolas, with an error of
 //! third order. If one crease alone turns, the height is followed exactly, as that of a point on a circle.
 
+use core::cell::OnceCell;
 use core::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
@@ -100,28 +101,23 @@ impl Moving {
     }
 }
 
-/// A corner over a plane.
-#[derive(Clone, Debug)]
-struct Corner {
-    moving: Moving,
-    height: f64,
-    /// For each turn: change of height per radian (`gradients`), and distance from the crease (`reaches`).
-    gradients: Vec<f64>,
-    reaches: Vec<f64>,
-    /// Height of the corner over the line of the first crease.
-    over_crease: f64,
-}
-
-/// The corners of a piece over a plane that separates it from another.
+/// The planes that separate a piece from another, over which the corners of the other one are followed.
 #[derive(Clone, Debug)]
 pub(in crate::collision) struct Parted<'a> {
     /// The turns, in order from the fixed piece.
     turns: &'a [Turn],
+    corners: Vec<Moving>,
+    planes: Vec<Plane>,
+}
+
+/// A plane that is fixed to a piece.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
     normal: Vector3<f64>,
+    point: Vector3<f64>,
     /// Angle between the pieces if the plane is that of the one; `None` if it is upright on it, so that what is beyond is
     /// within the piece.
     lean: Option<Lean>,
-    corners: Vec<Corner>,
 }
 
 /// Returns the planes that have `piece` on one side and `other` on the other, up to contact. Candidates are
@@ -134,7 +130,7 @@ pub(in crate::collision) fn parted<'a>(
     turns: &'a [Turn],
     above: Option<bool>,
     allowed: Allowed,
-) -> Vec<Parted<'a>> {
+) -> Parted<'a> {
     let corners = piece.corners;
     let next = corners.iter().cycle().skip(1);
     let outward = corners.iter().zip(next).map(|(from, to)| {
@@ -158,41 +154,22 @@ pub(in crate::collision) fn parted_by<'a>(
     corners: &[Vector3<f64>],
     turns: &'a [Turn],
     allowed: Allowed,
-) -> Vec<Parted<'a>> {
-    let parts = |(normal, point, lean): &(Vector3<f64>, Vector3<f64>, Option<Lean>)| {
-        let heights = corners.iter().map(|c| normal.dot(&(c - point)));
-        heights.fold(f64::INFINITY, f64::min) >= -over_plane(allowed, *lean, 0.0)
+) -> Parted<'a> {
+    let planes = planes.map(|(normal, point, lean)| Plane {
+        normal,
+        point,
+        lean,
+    });
+    let parts = |plane: &Plane| {
+        let heights = corners.iter().map(|corner| plane.height(corner));
+        heights.fold(f64::INFINITY, f64::min) >= -plane.depth(allowed, 0.0)
     };
-    planes
-        .filter(parts)
-        .map(|(normal, point, lean)| Parted {
-            turns,
-            normal,
-            lean,
-            corners: corners
-                .iter()
-                .map(|corner| over(normal, point, corner, turns))
-                .collect(),
-        })
-        .collect()
-}
-
-/// Returns the depth up to which corners may be beyond a plane while the piece turns by `turn` radians at most.
-fn over_plane(allowed: Allowed, lean: Option<Lean>, turn: f64) -> f64 {
-    lean.map_or(allowed.largest(), |lean| allowed.across(lean.turned(turn)))
-}
-
-fn over(normal: Vector3<f64>, point: Vector3<f64>, at: &Vector3<f64>, turns: &[Turn]) -> Corner {
-    let moving = Moving::new(at, turns);
-    Corner {
-        height: normal.dot(&(at - point)),
-        gradients: moving.rates.iter().map(|rate| normal.dot(rate)).collect(),
-        reaches: moving.rates.iter().map(Vector3::norm).collect(),
-        moving,
-        over_crease: turns.first().map_or(0.0, |turn| {
-            let away = at - turn.point;
-            normal.dot(&(away - turn.about * turn.about.dot(&away)))
-        }),
+    let planes: Vec<_> = planes.filter(parts).collect();
+    let corners = corners.iter().filter(|_| !planes.is_empty());
+    Parted {
+        turns,
+        corners: corners.map(|corner| Moving::new(corner, turns)).collect(),
+        planes,
     }
 }
 
@@ -211,11 +188,26 @@ impl Arc {
     }
 }
 
-impl Corner {
-    /// Returns the smallest height while one crease alone turns. After a turn by δ, the height is that of the centre of the
-    /// circle on which the corner moves, plus m cos δ + g sin δ, with m the height over the crease and g the gradient.
-    fn lowest_on_circle(&self, Arc { ends }: &Arc) -> f64 {
-        let (m, g) = (self.over_crease, self.gradients[0]);
+impl Plane {
+    fn height(&self, point: &Vector3<f64>) -> f64 {
+        self.normal.dot(&(point - self.point))
+    }
+
+    /// Returns the depth up to which corners may be beyond the plane while the piece turns by `turn` radians at most.
+    fn depth(&self, allowed: Allowed, turn: f64) -> f64 {
+        self.lean
+            .map_or(allowed.largest(), |lean| allowed.across(lean.turned(turn)))
+    }
+
+    /// Returns the smallest height of a corner while one crease alone turns. After a turn by δ, the height is that of the
+    /// centre of the circle on which the corner moves, plus m cos δ + g sin δ, with m the height over the crease and g the
+    /// gradient.
+    fn lowest_on_circle(&self, corner: &Moving, turn: &Turn, Arc { ends }: &Arc) -> f64 {
+        let away = corner.at - turn.point;
+        let m = self
+            .normal
+            .dot(&(away - turn.about * turn.about.dot(&away)));
+        let g = self.normal.dot(&corner.rates[0]);
         let over_centre = ends.map(|(_, [sin, cos])| m * cos + g * sin);
         let rising = ends.map(|(_, [sin, cos])| g * cos - m * sin >= 0.0);
         let [least, most] = ends.map(|(turn, _)| turn);
@@ -231,54 +223,63 @@ impl Corner {
         } else {
             over_centre[0].min(over_centre[1])
         };
-        self.height - m + lowest
-    }
-}
-
-impl Parted<'_> {
-    /// Returns `true` if no corner comes lower than contact allows while the groups make these changes.
-    pub(in crate::collision) fn holds(&self, changes: &[Change], allowed: Allowed) -> bool {
-        let changes = self.turns.iter().map(|turn| changes[turn.group as usize]);
-        let turn = changes.clone().map(|change| change.by.abs() + change.off);
-        let depth = over_plane(allowed, self.lean, turn.sum());
-        let mut corners = self.corners.iter();
-        if let [_] = self.turns {
-            let arcs: Vec<_> = changes.map(Arc::of).collect();
-            return corners.all(|corner| corner.lowest_on_circle(&arcs[0]) >= -depth);
-        }
-        let changes: Vec<_> = changes.collect();
-        corners.all(|corner| {
-            corner.lowest(&changes) >= -depth || self.lowest_followed(corner, &changes) >= -depth
-        })
+        self.height(&corner.at) - m + lowest
     }
 
-    /// Returns a bound on the height of a corner over a step, up to third order: where turns undo each other, their second
-    /// order does so too.
-    fn lowest_followed(&self, corner: &Corner, changes: &[Change]) -> f64 {
-        let step = corner.moving.step(self.turns, changes);
-        let risen = (step.at).map(|at| self.normal.dot(&(at - corner.moving.at)));
-        corner.height + risen.into_iter().fold(f64::INFINITY, f64::min) - step.error
-    }
-}
-
-impl Corner {
-    /// Returns a bound on the height over a step, up to second order, given the change of each turn.
-    fn lowest(&self, changes: &[Change]) -> f64 {
+    /// Returns a bound on the height of a corner over a step, up to second order, given the change of each turn.
+    fn lowest(&self, corner: &Moving, changes: &[Change]) -> f64 {
         let (mut along, mut off, mut curved) = (0.0, 0.0, 0.0);
         // From the moving piece inwards: `moved` bounds the motion of the corner due to the creases passed so
         // far, and `before` sums up the turns of the creases not yet passed.
         let sizes = changes.iter().map(|change| change.by.abs() + change.off);
         let (mut moved, mut before) = (0.0, sizes.sum::<f64>());
-        for (turn, change) in changes.iter().enumerate().rev() {
+        for (change, rate) in changes.iter().zip(&corner.rates).rev() {
             let size = change.by.abs() + change.off;
-            along += change.by * self.gradients[turn];
-            off += change.off * self.gradients[turn].abs();
-            let reach = self.reaches[turn] + moved;
-            moved += size * self.reaches[turn];
+            let (gradient, reach) = (self.normal.dot(rate), rate.norm());
+            along += change.by * gradient;
+            off += change.off * gradient.abs();
             before -= size;
-            curved += size * (before + size / 2.0) * reach;
+            curved += size * (before + size / 2.0) * (reach + moved);
+            moved += size * reach;
         }
-        self.height + f64::min(along, 0.0) - off - curved
+        self.height(&corner.at) + f64::min(along, 0.0) - off - curved
+    }
+
+    /// Returns a bound on the height of a corner over a step, up to third order: where turns undo each other, their second
+    /// order does so too.
+    fn lowest_followed(&self, step: &Step) -> f64 {
+        let heights = step.at.map(|at| self.height(&at));
+        heights.into_iter().fold(f64::INFINITY, f64::min) - step.error
+    }
+}
+
+impl Parted<'_> {
+    /// Returns `true` if there is a plane over which no corner comes lower than contact allows while the groups make these
+    /// changes.
+    pub(in crate::collision) fn hold(&self, changes: &[Change], allowed: Allowed) -> bool {
+        if self.planes.is_empty() {
+            return false;
+        }
+        let changes = self.turns.iter().map(|turn| changes[turn.group as usize]);
+        let changes: Vec<_> = changes.collect();
+        let turned = changes.iter().map(|it| it.by.abs() + it.off).sum();
+        let is_over = |plane: &Plane, lowest: f64| lowest >= -plane.depth(allowed, turned);
+        let (mut planes, corners) = (self.planes.iter(), &self.corners);
+        if let ([turn], [change]) = (self.turns, &changes[..]) {
+            let arc = Arc::of(*change);
+            return planes.any(|plane| {
+                let lowest = |corner| plane.lowest_on_circle(corner, turn, &arc);
+                corners.iter().all(|corner| is_over(plane, lowest(corner)))
+            });
+        }
+        let steps: Vec<OnceCell<Step>> = vec![OnceCell::new(); corners.len()];
+        planes.any(|plane| {
+            corners.iter().zip(&steps).all(|(corner, step)| {
+                let step = || step.get_or_init(|| corner.step(self.turns, &changes));
+                is_over(plane, plane.lowest(corner, &changes))
+                    || is_over(plane, plane.lowest_followed(step()))
+            })
+        })
     }
 }
 
@@ -319,12 +320,17 @@ mod tests {
                     0.1 * noise().abs()
                 },
             };
-            let corner = Corner {
-                moving: Moving::new(&Vector3::zeros(), &[]),
-                height,
-                gradients: vec![g],
-                reaches: vec![m.hypot(g)],
-                over_crease: m,
+            // The crease is the x axis, and a turn lifts the corner along y.
+            let turn = Turn {
+                group: 0,
+                point: Vector3::zeros(),
+                about: Vector3::x(),
+            };
+            let corner = Moving::new(&Vector3::new(0.0, g, m), &[turn]);
+            let plane = Plane {
+                normal: Vector3::z(),
+                point: Vector3::z() * (m - height),
+                lean: None,
             };
             let [least, most] = [by.min(0.0) - change.off, by.max(0.0) + change.off];
             let mut heights = (0..=4000).map(|k| {
@@ -335,7 +341,7 @@ mod tests {
             let ends = [heights.next(), heights.next_back()].map(Option::unwrap);
             let ends = ends[0].min(ends[1]);
             inside += u32::from(sampled < ends);
-            let lowest = corner.lowest_on_circle(&Arc::of(change));
+            let lowest = plane.lowest_on_circle(&corner, &turn, &Arc::of(change));
             assert!(lowest <= sampled + 1e-12, "{case}: {lowest} {sampled}");
             assert!(lowest >= sampled - 1e-5, "{case}: {lowest} {sampled}");
         }
@@ -383,10 +389,10 @@ mod tests {
                 ..Allowed::NOTHING
             };
             let parted = parted_by(plane.into_iter(), &[at], &turns, everything);
-            let corner = &parted[0].corners[0];
+            let (plane, corner) = (&parted.planes[0], &parted.corners[0]);
             let bounds = [
-                corner.lowest(&changes),
-                parted[0].lowest_followed(corner, &changes),
+                plane.lowest(corner, &changes),
+                plane.lowest_followed(&corner.step(&turns, &changes)),
             ];
             sharper[usize::from(is_accordion)] += u32::from(bounds[1] > bounds[0]);
             for sample in 0..=40 {

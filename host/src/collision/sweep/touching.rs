@@ -181,19 +181,17 @@ impl Sweep<'_> {
         let planes: Vec<Parted> = match solids {
             Some(both) => both
                 .into_iter()
-                .flat_map(|(fixed, moving, turns)| {
+                .map(|(fixed, moving, turns)| {
                     let planes = fixed.planes().map(|(normal, point)| (normal, point, None));
                     parted_by(planes, moving.points, turns, room)
                 })
                 .collect(),
             None => planes
-                .flat_map(|(([a, b], turns), above)| {
-                    parted(&piece(*a), &piece(*b), turns, above, room)
-                })
+                .map(|(([a, b], turns), above)| parted(&piece(*a), &piece(*b), turns, above, room))
                 .collect(),
         };
         let mut reached = self.held(&groups, [until, next], &mut changes, |changes| {
-            planes.iter().any(|plane| plane.holds(changes, room))
+            planes.iter().any(|planes| planes.hold(changes, room))
         });
         // Layers are kept apart by their planes, in the order in which they lie.
         if reached < next
@@ -206,8 +204,7 @@ impl Sweep<'_> {
                 parted_by(planes, moving.points, turns, room)
             });
             reached = self.held(&groups, [reached, next], &mut changes, |changes| {
-                let mut planes = planes.iter().flatten();
-                planes.any(|plane| plane.holds(changes, room))
+                planes.iter().any(|planes| planes.hold(changes, room))
             });
         } else if reached < next && above.is_none() && stalled >= SIDES_AFTER {
             let planes =
