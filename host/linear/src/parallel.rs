@@ -40,13 +40,19 @@ pub fn total_time(count: usize, each: Duration) -> Duration {
     each.saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
 }
 
+/// Returns the number of threads that share work, with the caller's.
+pub fn threads() -> usize {
+    if ALONE.get() {
+        1
+    } else {
+        rayon::current_num_threads()
+    }
+}
+
 /// Returns `true` if there are threads to share with, and `count` items of work, each of which takes about `each`, are
 /// worth sharing. A pool is made only if they are.
 pub fn is_shared(count: usize, each: Duration) -> bool {
-    count > 1
-        && total_time(count, each) >= MIN_SHARED
-        && !ALONE.get()
-        && rayon::current_num_threads() > 1
+    count > 1 && total_time(count, each) >= MIN_SHARED && threads() > 1
 }
 
 /// Returns what `work` makes of each item, in order. `each` is about the time that an item takes.

@@ -83,11 +83,11 @@ impl<'a> PlacedPieces<'a> {
     }
 
     /// Goes to the beginning of a motion. Returns the batch and the pairs of pieces that are due there.
-    pub(super) fn begin(&mut self, motion: Motion) -> Option<(Batch, Vec<[u32; 2]>)> {
+    pub(super) fn begin(&mut self, motion: Arc<Motion>) -> Option<(Batch, Vec<[u32; 2]>)> {
         self.axes.forget();
         self.spheres.forget();
         self.placed.fill(Tick::MAX);
-        self.motion = Arc::new(motion);
+        self.motion = motion;
         self.time = 0;
         self.source.begin(&self.motion, &self.pieces)
     }

@@ -118,8 +118,12 @@ pub(super) const QUERIES_PER_CLOCK: u64 = 256;
 pub(super) const MAX_EVALUATIONS: usize = 2;
 /// Largest number of differences of cells that are followed.
 pub(super) const MAX_OFFSETS: usize = 6000;
-/// log2 of the largest number of parts of a segment over which comoving faces are found.
-pub(super) const MAX_LOG2_PARTS: u32 = 6;
+/// Largest number of followers that share the pairs of a sheet, and of pieces that all of them have together: each has
+/// copies of all pieces.
+pub(super) const MAX_FOLLOWERS: usize = 8;
+pub(super) const MAX_FOLLOWED_PIECES: usize = 1_000_000;
+/// Number of times that a segment is halved to find comoving faces.
+pub(super) const MAX_PARTINGS: usize = 6;
 /// Largest number of hinges against one body for which each is compared with all others.
 pub(super) const MAX_HINGES: usize = 1000;
 /// Largest number of entries of the table of times, unless one time per segment takes more.

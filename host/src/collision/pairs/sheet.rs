@@ -35,6 +35,18 @@ impl SheetPairs {
             others: 0,
         }
     }
+
+    /// Makes the source for a follower, which asks for no pairs.
+    pub(in crate::collision) fn of_follower(
+        pattern: &CreasePattern,
+        memberships: &[Membership],
+    ) -> Self {
+        Self {
+            folding: LazyFolding::new(pattern.tree(), memberships),
+            broad_phase: None,
+            others: 0,
+        }
+    }
 }
 
 impl PairSource for SheetPairs {

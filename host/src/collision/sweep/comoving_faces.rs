@@ -8,7 +8,7 @@ use foldpath_core::Membership;
 
 use super::motion::{Motion, SEGMENT, Tick};
 use crate::collision::placed_pieces::Axis;
-use crate::collision::tolerances::{MAX_HINGES, MAX_LOG2_PARTS, NEARLY_AT_REST_RATIO};
+use crate::collision::tolerances::{MAX_HINGES, MAX_PARTINGS, NEARLY_AT_REST_RATIO};
 use crate::pattern::{CreaseId, CreasePattern, EdgeId, FaceId};
 use crate::util::union_find::UnionFind;
 
@@ -27,6 +27,7 @@ struct Hinge {
 }
 
 /// Faces that are at rest relative to each other from one time to another.
+#[derive(Debug)]
 pub(super) struct ComovingFaces {
     /// For each face the representative of its body: faces that move relative to each other by no more than a
     /// tolerance.
@@ -35,18 +36,15 @@ pub(super) struct ComovingFaces {
     pub(super) nearly: bool,
 }
 
-/// Faces that are at rest relative to each other at the current time of a sweep.
+/// Faces that are at rest relative to each other at the current time of a sweep: what is known depends on this time, not
+/// on the times before.
 #[derive(Debug, Default)]
 pub(super) struct ComovingNow {
-    /// The current segment, and for each face the representative of the faces that stay at rest relative to it over the
-    /// whole segment (`bodies`); empty if none do.
+    /// The current segment.
     segment: usize,
-    bodies: Vec<usize>,
-    /// `partners`: for each face the representative of the faces that stay at rest relative to it over the current
-    /// sub-interval of the segment; `apart`: end of this sub-interval; `parts`: log2 of the number of sub-intervals.
-    partners: Vec<usize>,
-    apart: Tick,
-    parts: u32,
+    /// Parts of the segment with the current time in them: the whole, its half, and so on while other faces nearly stay at
+    /// rest. Each with its end, and the faces that stay at rest over it; empty if all groups turn.
+    parts: Vec<(Tick, ComovingFaces)>,
 }
 
 impl ComovingNow {
@@ -61,59 +59,40 @@ impl ComovingNow {
         (segment != self.segment).then_some(segment)
     }
 
-    /// Goes to a time. `find` finds the comoving faces from there to another time; `None` if all groups turn. At the
-    /// beginning of a segment these are the faces comoving to its end. If some faces may be comoving over a part of the
-    /// segment only, finds those that are from this time on.
+    /// Goes to a time. `find` finds the comoving faces from one time to another; `None` if all groups turn.
     pub(super) fn enter(
         &mut self,
         motion: &Motion,
         time: Tick,
         find: Option<impl FnMut([Tick; 2]) -> ComovingFaces>,
     ) {
-        let entered = self.entered(motion, time);
-        if entered.is_none() && time < self.apart {
-            return;
+        if let Some(segment) = self.entered(motion, time) {
+            self.segment = segment;
+            self.parts.clear();
         }
-        if let Some(segment) = entered {
-            let end = motion.end_of(segment);
-            (self.segment, self.parts, self.apart) = (segment, 0, end);
-            self.bodies.clear();
-            self.partners.clear();
+        while self.parts.last().is_some_and(|&(end, _)| end <= time) {
+            self.parts.pop();
         }
-        let Some(mut find) = find else {
+        let Some(mut find) = find.filter(|_| time < motion.end()) else {
             return;
         };
-        if entered.is_some() {
-            let found = find([time, self.apart]);
-            self.bodies = found.bodies;
-            if !found.nearly {
-                return;
-            }
-        }
-        if time == motion.end() {
-            return;
-        }
-        self.parts = self.parts.saturating_sub(1).max(1);
-        loop {
-            let part = SEGMENT >> self.parts;
-            self.apart = (time / part + 1) * part;
-            let found = find([time, self.apart]);
-            self.partners = found.bodies;
-            if !found.nearly || self.parts == MAX_LOG2_PARTS {
-                break;
-            }
-            self.parts += 1;
+        while self.parts.len() <= MAX_PARTINGS
+            && self.parts.last().is_none_or(|(_, faces)| faces.nearly)
+        {
+            let length = SEGMENT >> self.parts.len();
+            let from = time / length * length;
+            let found = find([from, from + length]);
+            self.parts.push((from + length, found));
         }
     }
 
     /// Returns the time until which two faces keep their positions relative to each other, if they do for a while.
-    pub(super) fn until(&self, motion: &Motion, faces: [FaceId; 2]) -> Option<Tick> {
-        let alike = |bodies: &[usize]| {
-            let [a, b] = faces.map(|face| bodies.get(face.index()));
-            a.is_some() && a == b
+    pub(super) fn until(&self, faces: [FaceId; 2]) -> Option<Tick> {
+        let alike = |(_, found): &&(Tick, ComovingFaces)| {
+            let [a, b] = faces.map(|face| found.bodies[face.index()]);
+            a == b
         };
-        let whole = alike(&self.bodies).then(|| motion.end_of(self.segment));
-        whole.or_else(|| alike(&self.partners).then_some(self.apart))
+        self.parts.iter().find(alike).map(|(end, _)| *end)
     }
 }
 

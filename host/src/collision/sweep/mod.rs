@@ -26,6 +26,7 @@ mod approach;
 pub(super) mod chains;
 mod clusters;
 mod comoving_faces;
+mod followers;
 pub(super) mod motion;
 mod pair_query;
 mod queue;
@@ -46,6 +47,7 @@ use foldpath_core::{Curve, Membership};
 
 use self::approach::Approach;
 use self::comoving_faces::{ComovingNow, comoving_faces};
+use self::followers::{Ending, Record};
 use self::motion::{Motion, Tick};
 use self::queue::{Kind, Queue};
 use self::touching::Touch;
@@ -96,6 +98,15 @@ pub struct Sweep<'a> {
     comoving: ComovingNow,
     queue: Queue,
     found: Found,
+    /// Smallest distance found before the current stretch.
+    best: f64,
+    /// `true` while the source of pairs names those that may meet over one interval after the other.
+    broad_phase: bool,
+    /// Others that follow pairs of the same sheet.
+    helpers: Vec<Self>,
+    /// What was found over the current stretch, one time after the other, and what ended the motion at which time.
+    records: Vec<Record>,
+    ending: Option<(Tick, Ending)>,
     /// `true` along a lattice. Faces may then be off their positions and orientations by up to `deviation`, units of the
     /// sheet, and `turn`, radians.
     along_lattice: bool,
@@ -105,7 +116,11 @@ pub struct Sweep<'a> {
     length: f64,
     /// Room for the change of each group over a step.
     changes: Vec<Change>,
+    /// Number of queries of pairs on this motion, their largest number, and their number by all followers over the last
+    /// stretch.
     queries: u64,
+    most_queries: u64,
+    last_queries: usize,
 }
 
 impl<'a> Sweep<'a> {
@@ -168,6 +183,11 @@ impl<'a> Sweep<'a> {
             comoving: ComovingNow::default(),
             queue: Queue::default(),
             found: Found::default(),
+            best: f64::INFINITY,
+            broad_phase: false,
+            helpers: Vec::new(),
+            records: Vec::new(),
+            ending: None,
             along_lattice,
             deviation: if along_lattice { deviation } else { 0.0 },
             turn: if along_lattice {
@@ -178,6 +198,8 @@ impl<'a> Sweep<'a> {
             length,
             changes: vec![Change { by: 0.0, off: 0.0 }; groups],
             queries: 0,
+            most_queries: 0,
+            last_queries: 0,
             options,
         }
     }
@@ -201,20 +223,12 @@ impl<'a> Sweep<'a> {
             let at = motion.place(0);
             return SweepVerdict::Undecided { faces: None, at };
         }
-        let (before, end) = (self.found.counts, motion.end());
-        self.begin(motion);
+        let before = self.found.counts;
+        self.found.joined = 0;
+        let first = self.begin(Arc::new(motion));
+        let touching = self.add_first(first);
         let mut times = 0;
-        let verdict = loop {
-            let Some((time, due)) = self.queue.next() else {
-                break SweepVerdict::Free(self.found.clearance);
-            };
-            times += 1;
-            #[allow(clippy::cast_precision_loss, reason = "a part of the motion")]
-            self.watch.part(time as f64 / end as f64);
-            if let Some(verdict) = self.query_all(time, due) {
-                break verdict;
-            }
-        };
+        let verdict = self.follow_all(touching, &mut times);
         let pairs = self.sheet.source.count(&self.sheet.pieces);
         self.found.complete(times, &before, &pairs, &self.options);
         match self.overturned() {
@@ -223,28 +237,33 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Goes to the beginning of a motion, and adds the pairs that are due there.
-    fn begin(&mut self, motion: Motion) {
-        let counts = self.found.counts;
-        self.found = Found {
-            counts,
-            ..Found::default()
-        };
+    /// Goes to the beginning of a motion. Returns what the source of pairs asks for there.
+    fn begin(&mut self, motion: Arc<Motion>) -> Option<(Batch, Vec<[u32; 2]>)> {
+        self.found.clearance = None;
         self.queries = 0;
         self.queue = Queue::default();
         self.approach.begin();
         self.comoving.begin();
-        let first = self.sheet.begin(motion);
-        self.enter(0);
+        self.sheet.begin(motion)
+    }
+
+    /// Adds the pairs that are due at the beginning of a motion. Returns those that followers share.
+    fn add_first(&mut self, first: Option<(Batch, Vec<[u32; 2]>)>) -> Vec<[u32; 2]> {
+        self.broad_phase = matches!(first, Some((Batch::Interval, _)));
         match first {
+            Some((Batch::Interval, touching)) => return touching,
             Some((batch, pairs)) => {
                 self.add_batch(batch, 0);
                 for pair in pairs {
                     self.add(pair, 0);
                 }
             }
-            None => self.add_root(0),
+            None => {
+                self.enter(0);
+                self.add_root(0);
+            }
         }
+        Vec::new()
     }
 
     /// Returns the first place at which a hinge turns past half a turn: the faces that it joins then pass
@@ -277,13 +296,19 @@ impl<'a> Sweep<'a> {
         ))
     }
 
-    /// Queries all pairs that are due.
-    fn query_all(&mut self, time: Tick, mut due: Vec<u32>) -> Option<SweepVerdict> {
+    /// Queries all pairs that are due. Returns what ends the motion here.
+    fn query_all(&mut self, time: Tick, mut due: Vec<u32>) -> Option<Ending> {
         self.enter(time);
-        let mut deepest: Option<(Crossing, u32)> = None;
+        let mut ending: Option<Ending> = None;
+        let mut end = |new: Ending| {
+            if ending.as_ref().is_none_or(|old| new.precedes(old)) {
+                ending = Some(new);
+            }
+        };
         while let Some(index) = due.pop() {
-            if self.is_spent() {
-                return Some(self.undecided(index, time));
+            if self.is_over() {
+                end(self.undecided(index));
+                break;
             }
             let crosses = self.queue[index].stall.crosses;
             if crosses.is_some_and(|at| time < at) {
@@ -291,7 +316,8 @@ impl<'a> Sweep<'a> {
             }
             let outcome = self.query(index);
             if crosses.is_some() && !matches!(outcome, QueryOutcome::Crossing(_)) {
-                return Some(self.undecided(index, time));
+                end(self.undecided(index));
+                continue;
             }
             match outcome {
                 QueryOutcome::Free | QueryOutcome::Apart(..) => {}
@@ -307,13 +333,13 @@ impl<'a> Sweep<'a> {
                     due.push(index);
                     due.extend(self.queue.due_at(time));
                 }
-                QueryOutcome::Undecided => return Some(self.undecided(index, time)),
+                QueryOutcome::Undecided => end(self.undecided(index)),
                 // An overlap of solids of which not all facets are known proves nothing.
                 QueryOutcome::Crossing(_)
                     if !self.sheet.placed().are_exact(self.queue[index].nodes) =>
                 {
-                    let found = self.certain_ahead(index);
-                    return Some(found.unwrap_or_else(|| self.undecided(index, time)));
+                    let found = self.certain_ahead(index).map(Ending::Certain);
+                    end(found.unwrap_or_else(|| self.undecided(index)));
                 }
                 QueryOutcome::Split => {
                     self.split(index, time);
@@ -321,13 +347,11 @@ impl<'a> Sweep<'a> {
                 }
                 QueryOutcome::Crossing(depth) => {
                     let crossing = Crossing::new(self.faces(index), depth);
-                    if deepest.is_none_or(|(deepest, _)| crossing.exceeds(&deepest)) {
-                        deepest = Some((crossing, index));
-                    }
+                    end(Ending::Crosses(crossing, index));
                 }
             }
         }
-        deepest.map(|(crossing, index)| self.first(crossing, index, time))
+        ending
     }
 
     /// Goes to a time. At the beginning of another segment, makes chains cross few creases that turn. Finds the comoving
@@ -344,6 +368,7 @@ impl<'a> Sweep<'a> {
         let lengths = [self.length, self.contact.base()];
         let (ways, sheet) = (&self.approach.chains.ways, &mut self.sheet);
         let find = |times: [Tick; 2]| {
+            sheet.time = times[0];
             comoving_faces(
                 self.pattern,
                 self.memberships,
@@ -357,23 +382,17 @@ impl<'a> Sweep<'a> {
         let some_are_still = !ways.still.is_empty();
         self.comoving
             .enter(&motion, time, some_are_still.then_some(find));
+        self.sheet.time = time;
     }
 
-    fn undecided(&self, index: u32, time: Tick) -> SweepVerdict {
-        let one = !matches!(
-            self.queue[index].kind,
-            Kind::Batch(Batch::Far | Batch::Interval)
-        );
-        SweepVerdict::Undecided {
-            faces: one.then(|| self.faces(index)),
-            at: self.sheet.motion.place(time),
-        }
+    fn undecided(&self, index: u32) -> Ending {
+        let one = !matches!(self.queue[index].kind, Kind::Batch(Batch::Far));
+        Ending::Undecided(one.then(|| self.faces(index)))
     }
 
-    fn is_spent(&mut self) -> bool {
+    fn is_over(&mut self) -> bool {
         self.queries += 1;
-        self.queries > self.options.max_queries
-            || self.queries % QUERIES_PER_CLOCK == 1 && self.watch.is_over()
+        self.queries % QUERIES_PER_CLOCK == 1 && self.watch.is_over()
     }
 
     fn faces(&self, pair: u32) -> [FaceId; 2] {

@@ -157,11 +157,6 @@ impl Motion {
         (self.segments as Tick) << TICKS
     }
 
-    /// Returns the end of a segment.
-    pub(in crate::collision) fn end_of(&self, segment: usize) -> Tick {
-        ((segment + 1) as Tick) << TICKS
-    }
-
     /// Returns the place of a time.
     pub(in crate::collision) fn place(&self, tick: Tick) -> Place {
         let segment = usize::try_from(tick >> TICKS).unwrap_or(usize::MAX);

@@ -6,7 +6,7 @@ use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::separation::Sector;
-use crate::collision::pairs::{Batch, Now};
+use crate::collision::pairs::{Answer, Batch, Now};
 use crate::collision::placed_pieces::PlacedPieces;
 use crate::collision::tolerances::MEASURE_RATIO;
 use crate::pattern::FaceId;
@@ -32,12 +32,11 @@ impl Sweep<'_> {
         }
     }
 
-    /// Asks the source of pairs about a batch, and adds the pairs that it names.
-    fn query_batch(&mut self, batch: Batch) -> QueryOutcome {
-        let time = self.sheet.time;
+    /// Asks the source of pairs about a batch.
+    pub(super) fn ask(&mut self, batch: Batch) -> Answer {
         let mut now = Now {
             motion: &self.sheet.motion,
-            time,
+            time: self.sheet.time,
             pieces: &self.sheet.pieces,
             hierarchy: &self.sheet.hierarchy,
             contact: self.contact,
@@ -45,19 +44,18 @@ impl Sweep<'_> {
             found: &mut self.found,
             watch: self.watch,
         };
-        let answer = self.sheet.source.query(batch, &mut now);
+        self.sheet.source.query(batch, &mut now)
+    }
+
+    /// Asks about a batch of cells of a lattice, and adds the pairs that it names.
+    fn query_batch(&mut self, batch: Batch) -> QueryOutcome {
+        let time = self.sheet.time;
+        let answer = self.ask(batch);
         let mut measured = 0;
         for faces in answer.measure {
             measured += self.measure(faces);
         }
         self.found.counts.skipped_bounds += answer.skipped.saturating_sub(measured);
-        if answer.clusters {
-            self.add_root(time);
-        }
-        let (pieces, interval) = &answer.pieces;
-        if !self.add_unseen(pieces, *interval) {
-            return QueryOutcome::Undecided;
-        }
         for (batch, time) in answer.batches {
             self.add_batch(batch, time);
         }
@@ -106,7 +104,7 @@ impl Sweep<'_> {
         let deviation = self.deviation;
         let comoving = self.comoving_until(nodes);
         let far = apart > deviation + MEASURE_RATIO * spheres[0].radius.min(spheres[1].radius);
-        if self.options.skip_bounds && far && (apart >= self.found.best() || !counts) {
+        if self.options.skip_bounds && far && (apart >= self.best() || !counts) {
             self.found.counts.skipped_bounds += 1;
             if let Some(until) = comoving {
                 return self.next(until, apart, false);
@@ -136,7 +134,7 @@ impl Sweep<'_> {
         if let Some(depth) = self.crosses(index, pair, apart) {
             return QueryOutcome::Crossing(depth);
         }
-        if counts && apart < self.found.best() {
+        if counts && apart <= self.found.best() {
             let place = self.sheet.place();
             let apart = if self.sheet.pieces.are_solid() {
                 self.sheet.placed().distance(nodes)
@@ -208,14 +206,21 @@ impl Sweep<'_> {
         [angle, reach(0).min(reach(1))]
     }
 
+    /// Returns the smallest distance that is used to tell that others do not matter: along a lattice the smallest so far, and
+    /// otherwise the smallest before the stretch.
+    fn best(&self) -> f64 {
+        if self.along_lattice {
+            self.found.best()
+        } else {
+            self.best
+        }
+    }
+
     /// Returns the time until which two pieces keep their positions relative to each other, if they do for a while.
     pub(super) fn comoving_until(&self, nodes: [u32; 2]) -> Option<Tick> {
         let known = self.options.skip_motion;
         known
-            .then(|| {
-                self.comoving
-                    .until(&self.sheet.motion, self.sheet.faces(nodes))
-            })
+            .then(|| self.comoving.until(self.sheet.faces(nodes)))
             .flatten()
     }
 
@@ -240,7 +245,7 @@ impl Sweep<'_> {
         if !self.options.skip_motion {
             return QueryOutcome::Until(until.min(self.next_tabulated()));
         }
-        if until == self.sheet.motion.end() && (!counts || apart - moved >= self.found.best()) {
+        if until == self.sheet.motion.end() && (!counts || apart - moved >= self.best()) {
             return QueryOutcome::Free;
         }
         QueryOutcome::Until(until)
@@ -270,7 +275,7 @@ impl Sweep<'_> {
         let levers = &self.approach.levers;
         let moved = || motion.moved(levers, until) - motion.moved(levers, time);
         let free = until == motion.end() && self.options.skip_motion;
-        if free && (!counts || apart - moved() >= self.found.best()) {
+        if free && (!counts || apart - moved() >= self.best()) {
             return QueryOutcome::Free;
         }
         QueryOutcome::Until(until)

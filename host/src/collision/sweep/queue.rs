@@ -84,9 +84,15 @@ impl Queue {
         self.due.entry(time).or_default().push(index);
     }
 
-    /// Takes the pairs that are due first, and their time.
-    pub(super) fn next(&mut self) -> Option<(Tick, Vec<u32>)> {
-        self.due.pop_first()
+    /// Takes the pairs that are due first, and their time, if they are before another time.
+    pub(super) fn next_before(&mut self, end: Tick) -> Option<(Tick, Vec<u32>)> {
+        let first = self.due.first_entry()?;
+        (*first.key() < end).then(|| first.remove_entry())
+    }
+
+    /// Returns the number of pairs that are due before a time.
+    pub(super) fn count_before(&self, end: Tick) -> usize {
+        self.due.range(..end).map(|(_, pairs)| pairs.len()).sum()
     }
 
     /// Takes the pairs that have become due at a time.

@@ -1,5 +1,8 @@
 //! Input and outcome of a sweep: options, verdict, clearance and counts.
 
+use core::cmp::Ordering;
+use core::ops::AddAssign;
+
 use serde::Serialize;
 
 use crate::collision::pairs::PairCounts;
@@ -113,7 +116,7 @@ pub enum SweepVerdict {
     /// The budget is spent, the motion is not finite, too many cells of a lattice that turns may meet, or faces
     /// come too near to each other to be decided along the lattice of a torn sheet.
     Undecided {
-        /// The pair queried last, if any.
+        /// Faces that are not decided, if only some are not; those of a pair that was looked at last if the budget is spent.
         faces: Option<[FaceId; 2]>,
         /// Place up to which no pair crosses.
         at: Place,
@@ -137,8 +140,30 @@ pub struct SweepCounts {
     pub skipped_edges: u64,
 }
 
+impl AddAssign for SweepCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.pairs += other.pairs;
+        self.tested += other.tested;
+        self.skipped_symmetry += other.skipped_symmetry;
+        self.skipped_motion += other.skipped_motion;
+        self.skipped_bounds += other.skipped_bounds;
+        self.skipped_edges += other.skipped_edges;
+    }
+}
+
+impl SweepVerdict {
+    /// Returns the faces that it names.
+    pub(super) fn faces(&self) -> Option<[FaceId; 2]> {
+        match self {
+            Self::Free(clearance) => clearance.map(|clearance| clearance.faces),
+            Self::Crossing { crossing, .. } => Some(crossing.faces),
+            Self::Undecided { faces, .. } => *faces,
+        }
+    }
+}
+
 /// Findings of a sweep so far.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(in crate::collision) struct Found {
     pub(super) clearance: Option<Clearance>,
     pub(in crate::collision) counts: SweepCounts,
@@ -153,7 +178,7 @@ impl Found {
         best.unwrap_or(f64::INFINITY)
     }
 
-    /// Stores the distance of two pieces at a place if it is smaller than all before.
+    /// Stores the distance of two pieces at a place if it is smaller than all others.
     pub(in crate::collision) fn note(
         &mut self,
         pieces: &Pieces,
@@ -161,13 +186,26 @@ impl Found {
         distance: f64,
         place: Place,
     ) {
-        if distance < self.best() {
+        if distance <= self.best() {
             let [first, second] = pair.map(|piece| pieces.list[piece as usize].face);
-            self.clearance = Some(Clearance {
+            self.note_clearance(Clearance {
                 distance,
                 faces: [first.min(second), first.max(second)],
                 place,
             });
+        }
+    }
+
+    /// Stores a clearance if it is smaller than all others; of equal ones the first, and at one place that with the smallest
+    /// numbers of faces.
+    pub(super) fn note_clearance(&mut self, new: Clearance) {
+        let key = |it: &Clearance| (it.distance, it.place.segment, it.place.s);
+        let is_first = |old: &Clearance| match key(&new).partial_cmp(&key(old)) {
+            Some(Ordering::Equal) => new.faces < old.faces,
+            order => order == Some(Ordering::Less),
+        };
+        if self.clearance.as_ref().is_none_or(is_first) {
+            self.clearance = Some(new);
         }
     }
 
