@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// Amount of work from which on it is shared. To make the threads of a pool takes about 300 µs, and to wake them 10 to
 /// 50 µs.
-const MIN_SHARED: Duration = Duration::from_millis(1);
+const MIN_SHARED: Duration = Duration::from_micros(500);
 /// Number of chunks of work for each thread: threads that have finished theirs take over those of others.
 const CHUNKS_PER_THREAD: usize = 8;
 

@@ -300,10 +300,10 @@ impl Sweep<'_> {
     }
 }
 
-/// Returns the number of the follower to which a pair falls. Ways from a face to others are searched together, so that all
-/// pairs with the same first piece fall to one follower.
-fn follower_of([first, _]: [u32; 2], count: usize) -> usize {
-    let mixed = u64::from(first).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+/// Returns the number of the follower to which a pair falls. Ways to a face are searched together, so that all pairs with the
+/// same second piece fall to one follower.
+fn follower_of([_, second]: [u32; 2], count: usize) -> usize {
+    let mixed = u64::from(second).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (mixed >> 32) as usize % count
 }
 

@@ -20,7 +20,7 @@
 //! (`pairs/interval_broad_phase`), and only the others are followed by conservative advancement, until the end of the
 //! interval. If intervals would have to be too short, clusters of faces stand for all their pairs while they are far
 //! apart. Two creases of a chain that turn by opposite angles about parallel lines count together, with the distance of
-//! the lines as lever.
+//! the lines as lever. The pairs of a sheet are shared by the threads (`followers`).
 
 mod approach;
 pub(super) mod chains;
