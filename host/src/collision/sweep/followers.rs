@@ -83,36 +83,48 @@ impl Sweep<'_> {
         self.find_helpers();
         let (mut from, mut intervals) = (0, 1);
         let mut touching = Some(touching);
-        loop {
+        while from < Tick::MAX {
             let mut queried = Vec::new();
-            let mut stretch = Vec::new();
-            let mut pairs = 0;
-            loop {
-                if self.broad_phase {
-                    queried.push(from);
-                }
-                let Some(mut next) = self.next_interval(from) else {
-                    // Time has run out.
-                    let from = stretch.first().map_or(from, |it: &Interval| it.from);
-                    let at = self.sheet.motion.place(from);
-                    return SweepVerdict::Undecided { faces: None, at };
-                };
-                next.touching = touching.take().unwrap_or_default();
-                from = next.to;
-                pairs += next.unseen.len();
-                stretch.push(next);
-                if !self.broad_phase || stretch.len() >= intervals || pairs >= MAX_UNSEEN {
-                    break;
-                }
+            let mut stretch = match self.next_stretch(from, intervals, &mut queried) {
+                Ok(stretch) => stretch,
+                Err(verdict) => return verdict,
+            };
+            if let Some(first) = stretch.first_mut() {
+                first.touching = touching.take().unwrap_or_default();
             }
-            intervals = (2 * intervals).min(MAX_INTERVALS);
             let verdict = self.follow_over(&stretch, &mut queried);
             *times += queried.len() as u64;
             if let Some(verdict) = verdict {
                 return verdict;
             }
-            if from == Tick::MAX {
-                return SweepVerdict::Free(self.found.clearance);
+            from = stretch.last().map_or(Tick::MAX, |it| it.to);
+            intervals = (2 * intervals).min(MAX_INTERVALS);
+        }
+        SweepVerdict::Free(self.found.clearance)
+    }
+
+    /// Returns the stretch that begins at a time, of this many intervals at most, and adds the times at which the broad phase
+    /// looked at pairs. Fails if time runs out.
+    fn next_stretch(
+        &mut self,
+        from: Tick,
+        intervals: usize,
+        queried: &mut Vec<Tick>,
+    ) -> Result<Vec<Interval>, SweepVerdict> {
+        let (mut stretch, mut next, mut pairs) = (Vec::new(), from, 0);
+        loop {
+            if self.broad_phase {
+                queried.push(next);
+            }
+            let Some(interval) = self.next_interval(next) else {
+                let at = self.sheet.motion.place(from);
+                return Err(SweepVerdict::Undecided { faces: None, at });
+            };
+            next = interval.to;
+            pairs += interval.unseen.len();
+            stretch.push(interval);
+            if !self.broad_phase || stretch.len() >= intervals || pairs >= MAX_UNSEEN {
+                return Ok(stretch);
             }
         }
     }
