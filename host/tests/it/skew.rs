@@ -1,4 +1,4 @@
-//! How far apart in time the parts of a sheet may be, against figures of other programs and bounds.
+//! Tests the largest skew of a motion: figures of a second program, and bounds that hold for every motion of a sheet.
 
 use foldpath::motion::Motion;
 use foldpath::pattern::{CreasePattern, Drawing};
