@@ -167,34 +167,3 @@ fn are_equal(plates: &Plates, pair: [usize; 2]) -> bool {
         })
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::motion::PlateOptions;
-
-    #[test]
-    fn plates_of_a_sheet_are_sorted_by_form() {
-        let miura = crate::generate::Miura {
-            rows: 5,
-            columns: 5,
-            sector_angle: 1.0,
-            fold: 0.8,
-        };
-        let pattern = crate::pattern::CreasePattern::new(miura.drawing().unwrap()).unwrap();
-        let goal = crate::planner::Goal::of_pattern(&pattern).unwrap();
-        let plan = crate::planner::plan(&pattern, &goal, &crate::planner::PlanOptions::default());
-        let motion = plan.motion.unwrap();
-        let options = PlateOptions::of_thickness(0.05);
-        let plates = Plates::new(&pattern, &Trims::of(&motion, &options), &options).unwrap();
-        let meshes: Vec<_> = (0..plates.list.len())
-            .map(|plate| plates.mesh(plate))
-            .collect();
-        let forms = forms(&plates, &meshes);
-        let mut all: Vec<usize> = forms.iter().flatten().copied().collect();
-        all.sort_unstable();
-        assert_eq!(all, (0..25).collect::<Vec<_>>());
-        // Half a turn takes plates inside the sheet to others; borders are not trimmed.
-        assert!((4..20).contains(&forms.len()), "{}", forms.len());
-    }
-}

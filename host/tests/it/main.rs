@@ -20,6 +20,7 @@ mod planner_order;
 mod plates;
 mod progress;
 mod second_order;
+mod skew;
 mod sweep;
 mod symmetry;
 mod timing;

@@ -316,27 +316,48 @@ fn plates_keep_to_their_lattice() {
     assert!(off[0] > 1e-5 && off[1] <= 1e-6, "{off:?}");
 }
 
+/// Returns the files that an export of a path makes: names and texts.
+fn exported(motion: &Motion, name: &str, options: &ExportOptions) -> Vec<(String, String)> {
+    let mut files = Vec::new();
+    let format = Format::named(name).unwrap();
+    let sink = &mut |name: &str, content| {
+        files.push((name.to_string(), String::from_utf8(content).unwrap()));
+        Ok(())
+    };
+    let made = format.make(Source::Motion(motion), Path::new("p"), options, sink);
+    made.unwrap();
+    files
+}
+
+/// Every panel is in the list once.
+#[test]
+fn plates_of_a_sheet_are_sorted_by_form() {
+    let mut motion = planned(&miura(5, 5), &PlanOptions::default());
+    motion.plates = Some(PlateOptions::of_thickness(0.05));
+    let files = exported(&motion, "stl", &ExportOptions::default());
+    let (name, list) = files.last().unwrap();
+    assert_eq!(name, "panels.csv");
+    let forms = list
+        .lines()
+        .skip(1)
+        .map(|line| line.rsplit(',').next().unwrap());
+    let panels = forms.clone().flat_map(|panels| panels.split(' '));
+    let mut panels: Vec<usize> = panels.map(|panel| panel.parse().unwrap()).collect();
+    panels.sort_unstable();
+    assert_eq!(panels, (0..25).collect::<Vec<_>>());
+    // Half a turn takes plates inside the sheet to others; borders are not trimmed.
+    let forms = forms.count();
+    assert!((4..20).contains(&forms), "{forms}");
+    assert_eq!(files.len(), forms + 1);
+}
+
 /// Every export of plates is a whole file, and each mesh is closed: each side of a triangle belongs to one other triangle.
 #[test]
 fn plates_are_exported_as_closed_meshes_and_outlines() {
     let plates = PlateOptions::of_thickness(0.05).with(|it| it.sides = PlateSides::Inset);
     let motion = planned(&miura(4, 3), &with_plates(PlateRequest::given(plates)));
-    let made = |name: &str, options: &ExportOptions| {
-        let mut files = Vec::new();
-        let format = Format::named(name).unwrap();
-        let told = format.make(
-            Source::Motion(&motion),
-            Path::new("p"),
-            options,
-            &mut |name, content| {
-                files.push((name.to_string(), String::from_utf8(content).unwrap()));
-                Ok(())
-            },
-        );
-        told.map(|_| files)
-    };
     let options = ExportOptions::default();
-    let stl = made("stl", &options).unwrap();
+    let stl = exported(&motion, "stl", &options);
     let (list, solids) = stl.split_last().unwrap();
     assert_eq!(list.0, "panels.csv");
     let counts = list
@@ -350,7 +371,8 @@ fn plates_are_exported_as_closed_meshes_and_outlines() {
             .sum::<usize>(),
         12
     );
-    let assembled = made("stl", &(options.clone()).with(|it| it.assembled = true)).unwrap();
+    let one_file = (options.clone()).with(|it| it.assembled = true);
+    let assembled = exported(&motion, "stl", &one_file);
     assert_eq!(assembled[0].1.matches("endsolid").count(), 12);
     for (name, text) in solids {
         let corners: Vec<&str> = text
@@ -377,7 +399,7 @@ fn plates_are_exported_as_closed_meshes_and_outlines() {
             &(wide.clone()).with(|it| it.colour = Colour::Letters),
         ),
     ] {
-        let [(_, text)] = &made(name, options).unwrap()[..] else {
+        let [(_, text)] = &exported(&motion, name, options)[..] else {
             panic!("{name}")
         };
         for layer in ["CUT", "MOUNTAIN", "VALLEY", "HOLE", "TEXT"] {

@@ -176,6 +176,7 @@ fn nothing_on_the_page_lies_over_anything_else_at_any_width() {
 /// The page folds the sheet itself. Its angles between knots equal the oracle's, its shapes at knots the file's.
 #[test]
 fn panels_are_where_the_path_has_them() {
+    let mut opened: Option<View> = None;
     for interpolation in [
         Interpolation::Linear,
         Interpolation::Hermite,
@@ -184,7 +185,11 @@ fn panels_are_where_the_path_has_them() {
     ] {
         let options = PlanOptions::default().with(|it| it.interpolation = Some(interpolation));
         let planned = Planned::new("waterbomb-4x6", &options);
-        let view = View::open(&scene(&planned), &[]);
+        let scene = scene(&planned);
+        if let Some(view) = &opened {
+            view.show(&scene);
+        }
+        let view = opened.get_or_insert_with(|| View::open(&scene, &[]));
         let Animation { frames, motion, .. } = Animation::parse(&planned.text()).unwrap();
         view.assert_shapes(frames.iter().map(|frame| (frame.time, &frame.vertices[..])));
         let between = frames.windows(2);
@@ -711,9 +716,10 @@ fn plates_have_a_slider_that_tells_what_is_proved() {
     slide("0");
     assert!(view.text("#plates").contains("paper: plates up to"));
     let thin = Planned::of(miura(3, 0.8), &PlanOptions::default());
-    let paper = View::open(&scene(&thin), &[]);
-    paper.run("foldpath.setPosition(1)");
-    assert_eq!(paper.run("element('plates').hidden"), json!(true));
+    view.assert_quiet();
+    view.show(&scene(&thin));
+    view.run("foldpath.setPosition(1)");
+    assert_eq!(view.run("element('plates').hidden"), json!(true));
     view.assert_quiet();
 }
 

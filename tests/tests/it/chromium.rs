@@ -23,12 +23,15 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
 /// Keys that are held while another is pressed, as the protocol has them.
 pub(crate) const SHIFT: u32 = 8;
 
+/// Name of the file of the page.
+const PAGE: &str = "path.html";
+
 /// A page that is open in a browser of its own.
 pub(crate) struct View {
     devtools: RefCell<Devtools>,
     /// Address of the page.
     url: String,
-    _directory: TempDir,
+    directory: TempDir,
 }
 
 impl View {
@@ -39,6 +42,13 @@ impl View {
         view
     }
 
+    /// Opens the page of another path in the same browser: to start one takes longer than most checks of a page.
+    pub(crate) fn show(&self, scene: &Scene) {
+        std::fs::write(self.directory.path().join(PAGE), page(scene)).unwrap();
+        self.follow("");
+        self.wait_for("window.foldpath !== undefined");
+    }
+
     /// Opens a page from a disk, for a user who prefers that nothing moves by itself.
     pub(crate) fn open_page(html: &str, switches: &[&str]) -> Self {
         Self::open_page_for("reduce", html, switches)
@@ -47,7 +57,7 @@ impl View {
     /// Opens a page from a disk, for a user with this preference of motion, `reduce` or `no-preference`.
     pub(crate) fn open_page_for(motion: &str, html: &str, switches: &[&str]) -> Self {
         let directory = tempfile::tempdir().unwrap();
-        let file = directory.path().join("path.html");
+        let file = directory.path().join(PAGE);
         std::fs::write(&file, html).unwrap();
         let profile = directory.path().join("profile");
         let profile = format!("--user-data-dir={}", profile.display());
@@ -64,7 +74,7 @@ impl View {
         let view = Self {
             devtools: RefCell::new(Devtools::start(&chromium(), &switches, PATIENCE)),
             url: format!("file://{}", file.display()),
-            _directory: directory,
+            directory,
         };
         for domain in ["Runtime", "Log", "Network", "Page"] {
             view.call(&format!("{domain}.enable"), json!({}));

@@ -55,7 +55,7 @@ fn printed(source: &str, folder: &Folder) -> String {
     let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../core");
     let manifest = format!(
         "[package]\nname = \"path\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\n\
-         foldpath-core = {{ path = {core:?} }}\n\n[workspace]\n"
+         foldpath-core = {{ path = {core:?} }}\n\n[workspace]\n\n[profile.dev]\ndebug = false\n"
     );
     folder.write("Cargo.toml", &manifest);
     fs::copy(core.join("../Cargo.lock"), folder.path("Cargo.lock")).unwrap();
