@@ -448,7 +448,7 @@ pub(crate) struct View {
     "export path.fold --to mjcf -o model",
 ]))]
 pub(crate) struct Export {
-    /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
+    /// Path, a FOLD animation; or for svg coloured by letters or groups, and for dxf, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_parser = formats())]
