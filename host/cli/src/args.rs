@@ -453,7 +453,7 @@ pub(crate) struct Export {
     /// Format to write
     #[arg(long, value_parser = formats())]
     pub(crate) to: &'static Format,
-    /// File to write; with obj, the name of the sequence or a folder; with mjcf, a folder
+    /// File to write; with obj, the name of the sequence or a folder; with mjcf and stl, a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
     #[command(flatten)]
