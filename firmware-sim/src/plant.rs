@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `30s` | the supply is at 30 %, and so is the speed of all drives |
 //! | `250k` | hinge 250 stays where it is |
-//! | `f` | it comes free, and turns to where it is commanded to be |
+//! | `f` | it comes free, and turns to where it is commanded to be, or goes with its group if it has no command |
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 

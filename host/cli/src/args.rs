@@ -448,12 +448,12 @@ pub(crate) struct View {
     "export path.fold --to mjcf -o model",
 ]))]
 pub(crate) struct Export {
-    /// Path, a FOLD animation; or for svg coloured by letters or groups, any crease pattern
+    /// Path, a FOLD animation; or for svg coloured by letters or groups, and for dxf, any crease pattern
     pub(crate) path: PathBuf,
     /// Format to write
     #[arg(long, value_parser = formats())]
     pub(crate) to: &'static Format,
-    /// File to write; with obj, the name of the sequence or a folder; with mjcf, a folder
+    /// File to write; with obj, the name of the sequence or a folder; with mjcf and stl, a folder
     #[arg(short, long)]
     pub(crate) output: PathBuf,
     #[command(flatten)]

@@ -69,10 +69,11 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// Replaces the host by one that sends this path. A host that is `sure` says that the sheet stands where it begins.
+    /// Replaces the host by one that sends this path. A host that is `sure` says that the sheet stands where it begins. It resumes
+    /// after every silence, because a busy machine is silent for half a second of the board's time.
     pub(crate) fn greet(&mut self, items: PathItems<'a>, persistence: Persistence, sure: bool) {
         let id = 1000 + u32::try_from(self.start.elapsed().as_micros() % 1_000_000).unwrap();
-        let driver = Driver::new(items, persistence, id, HASTY);
+        let driver = Driver::new(items, persistence, id, HASTY).unattended();
         self.host = Some(if sure { driver.confirming() } else { driver });
         self.forget();
     }
