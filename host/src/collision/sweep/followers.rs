@@ -459,7 +459,7 @@ mod tests {
             };
             let stops: Vec<Vec<f64>> = (0..=segments).map(stop).collect();
             let motion = through(&stops);
-            for most in [300, 10_000_000] {
+            for most in [200, 10_000_000] {
                 let answer = |threads: usize| {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                     pool.build().unwrap().install(|| {
@@ -489,6 +489,6 @@ mod tests {
                 }
             }
         }
-        assert!(answers.iter().all(|count| *count > 2), "{answers:?}");
+        assert!(answers.iter().all(|count| *count > 1), "{answers:?}");
     }
 }
