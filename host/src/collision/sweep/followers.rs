@@ -31,7 +31,7 @@ const MAX_INTERVALS: usize = 64;
 /// Number of pairs that may meet from which on a stretch has no more intervals.
 const MAX_UNSEEN: usize = 4096;
 
-/// What ends the motion for a follower.
+/// End of the motion for a follower.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ending {
     /// Two faces cross, those of the pair with this number.
@@ -55,7 +55,7 @@ impl Ending {
     }
 }
 
-/// What a follower had found once it had queried all pairs that were due up to a time.
+/// Findings of a follower up to a time, at which it had queried all pairs that were due.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Record {
     time: Tick,
@@ -79,10 +79,13 @@ struct Interval {
 impl Sweep<'_> {
     /// Follows all pairs to the end of the motion, over one interval after the other, given the pairs of pieces that touch in
     /// the flat sheet. Adds the number of times at which some pair was queried to `times`.
-    pub(super) fn follow_all(&mut self, touching: Vec<[u32; 2]>, times: &mut u64) -> SweepVerdict {
+    pub(super) fn follow_all(
+        &mut self,
+        mut touching: Vec<[u32; 2]>,
+        times: &mut u64,
+    ) -> SweepVerdict {
         self.find_helpers();
         let (mut from, mut intervals) = (0, 1);
-        let mut touching = Some(touching);
         while from < Tick::MAX {
             let mut queried = Vec::new();
             let mut stretch = match self.next_stretch(from, intervals, &mut queried) {
@@ -90,7 +93,7 @@ impl Sweep<'_> {
                 Err(verdict) => return verdict,
             };
             if let Some(first) = stretch.first_mut() {
-                first.touching = touching.take().unwrap_or_default();
+                first.touching = core::mem::take(&mut touching);
             }
             let verdict = self.follow_over(&stretch, &mut queried);
             *times += queried.len() as u64;

@@ -104,7 +104,7 @@ pub struct Sweep<'a> {
     broad_phase: bool,
     /// Others that follow pairs of the same sheet.
     helpers: Vec<Self>,
-    /// What was found over the current stretch, one time after the other, and what ended the motion at which time.
+    /// Findings over the current stretch, one time after the other, and the end of the motion in it, if it has one.
     records: Vec<Record>,
     ending: Option<(Tick, Ending)>,
     /// `true` along a lattice. Faces may then be off their positions and orientations by up to `deviation`, units of the
