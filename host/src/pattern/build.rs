@@ -1,11 +1,11 @@
 //! Builds a crease pattern from a drawing: performs every check and derives all further data.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector2;
 
-use super::model::{CreasePattern, Edge};
+use super::model::{CreasePattern, Edge, Geometry};
 use super::split::{EdgeFaces, split};
 use super::trace::area;
 use super::triangulate::triangulate;
@@ -68,7 +68,7 @@ impl CreasePattern {
             let [a, b] = e.ends.map(|end| drawing.vertices[end]);
             (b - a).normalize()
         };
-        let mut pattern = Self {
+        let mut geometry = Geometry {
             directions: drawing.edges.iter().map(along).collect(),
             vertices: drawing.vertices,
             edges,
@@ -81,10 +81,17 @@ impl CreasePattern {
             triangles,
             diagonals,
             median_edge,
-            drawn,
-            slits,
             sheets: Vec::new(),
             holes: Csr::default(),
+            tree: OnceLock::new(),
+        };
+        geometry.neighbours = geometry.find_neighbours();
+        geometry.sheets = geometry.find_sheets();
+        geometry.holes = geometry.find_holes();
+        let mut pattern = Self {
+            geometry: Arc::new(geometry),
+            drawn,
+            slits,
             assumptions,
             repairs: Vec::new(),
             lost: None,
@@ -93,12 +100,8 @@ impl CreasePattern {
             y_down: false,
             straightens_within: None,
             unit: None,
-            tree: OnceLock::new(),
             precision: OnceLock::new(),
         };
-        pattern.neighbours = pattern.find_neighbours();
-        pattern.sheets = pattern.find_sheets();
-        pattern.holes = pattern.find_holes();
         pattern.note_sheets();
         Ok(pattern)
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector2;
 
+use super::model::Geometry;
 use super::{ClosureSite, CreasePattern, EdgeId, FaceId, VertexId};
 use crate::util::csr::Csr;
 
@@ -19,7 +20,7 @@ pub struct Passage {
 impl CreasePattern {
     /// Returns `true` if creases go round a hole, which they have to close. Windows inside panels have none.
     pub(crate) fn has_hinged_holes(&self) -> bool {
-        let mut passages = self.holes.iter().flatten();
+        let mut passages = self.geometry.holes.iter().flatten();
         passages.any(|passage| self.edge(passage.edge).crease.is_some())
     }
 
@@ -30,8 +31,8 @@ impl CreasePattern {
     /// If there is no hole of that number.
     #[must_use]
     pub fn hole_frame(&self, hole: usize) -> (Vector2<f64>, f64) {
-        let way = &self.holes[hole];
-        let place = |passage: &Passage| self.vertices[passage.at.index()];
+        let way = &self.geometry.holes[hole];
+        let place = |passage: &Passage| self.geometry.vertices[passage.at.index()];
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
         let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
         let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
@@ -44,17 +45,20 @@ impl CreasePattern {
     /// If there is no hole of that number.
     #[must_use]
     pub fn hole_site(&self, hole: usize) -> ClosureSite {
-        let first = self.holes[hole].first();
+        let first = self.geometry.holes[hole].first();
         ClosureSite::Hole(first.map(|passage| passage.at).unwrap_or_default())
     }
+}
 
+impl Geometry {
     /// Finds for each hole the loop through the faces that touch its rim. A cut inside the sheet is a hole too. Cost:
     /// linear, and negligible without holes.
     pub(super) fn find_holes(&self) -> Csr<Passage> {
         let rims = self.rims();
-        let mut outer = vec![(f64::NEG_INFINITY, 0); self.sheets()];
+        let mut outer = vec![(f64::NEG_INFINITY, 0); self.sheet_count()];
         let sheet = |rim: &[EdgeId]| {
-            let face = self.edge(rim[0]).faces.into_iter().flatten().next();
+            let faces = self.edges[rim[0].index()].faces;
+            let face = faces.into_iter().flatten().next();
             face.map_or(0, |face| self.sheets[face.index()] as usize)
         };
         for (index, rim) in rims.iter().enumerate() {
@@ -97,7 +101,7 @@ impl CreasePattern {
 
     /// Returns the ends of an edge with one face, in the order that has the face on the left.
     fn along_rim(&self, edge: EdgeId) -> [VertexId; 2] {
-        let edge = self.edge(edge);
+        let edge = &self.edges[edge.index()];
         let [a, b] = edge.ends;
         if edge.faces[0].is_some() {
             [a, b]
@@ -131,9 +135,9 @@ impl CreasePattern {
             };
             let clockwise = star[..start].iter().rev().chain(star[start..].iter().rev());
             for &edge in clockwise.take_while(|edge| *edge != leaving) {
-                let [left, right] = self.edge(edge).faces;
+                let [left, right] = self.edges[edge.index()].faces;
                 // The face to the right, looking along the edge from the rim.
-                let to = if self.edge(edge).ends[0] == at {
+                let to = if self.edges[edge.index()].ends[0] == at {
                     right
                 } else {
                     left
