@@ -45,7 +45,7 @@ impl Edge {
     }
 }
 
-/// What follows from a drawing: it never changes.
+/// Vertices, edges and faces of a pattern, with all that is derived from them. They never change once the pattern is built.
 #[derive(Debug)]
 pub(super) struct Geometry {
     pub(super) vertices: Vec<Vector2<f64>>,
