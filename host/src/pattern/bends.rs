@@ -19,7 +19,7 @@ impl CreasePattern {
     pub(crate) fn with_bends(&self, others: &FixedBitSet) -> Option<Self> {
         let mut faces = Vec::new();
         let mut diagonals = Vec::new();
-        for (face, triangles) in self.geometry.triangles.iter().enumerate() {
+        for (face, triangles) in self.triangles().iter().enumerate() {
             let other = others.contains(face).then(|| self.other_halves(face));
             if let Some(halves) = other.flatten() {
                 diagonals.push([halves[0][0], halves[0][2]]);
@@ -39,8 +39,8 @@ impl CreasePattern {
     /// Returns the faces with four corners that have [another diagonal](Self::other_halves), and the edge of each that is its
     /// diagonal in the pattern [with bends](Self::with_bends).
     pub(crate) fn quadrilaterals(&self) -> impl Iterator<Item = (usize, EdgeId)> {
-        let mut next = self.geometry.edges.len();
-        let faces = self.geometry.triangles.iter().enumerate();
+        let mut next = self.edges().len();
+        let faces = self.triangles().iter().enumerate();
         faces.filter_map(move |(face, triangles)| {
             let edge = EdgeId::new(next);
             next += triangles.len().saturating_sub(1);
@@ -51,10 +51,10 @@ impl CreasePattern {
     /// Returns the two triangles of a face with four corners along the diagonal that its triangulation leaves out; `None` if
     /// that diagonal does not lie in the face, or the face has fewer or more corners.
     pub(crate) fn other_halves(&self, face: usize) -> Option<[[VertexId; 3]; 2]> {
-        let &[a, b, c, d] = &self.geometry.faces[face] else {
+        let &[a, b, c, d] = &self.faces()[face] else {
             return None;
         };
-        let first = self.geometry.triangles[face][0];
+        let first = self.triangles()[face][0];
         let [a, b, c, d] = if first[0] == a || first[2] == a {
             [b, c, d, a]
         } else {
@@ -68,19 +68,14 @@ impl CreasePattern {
     /// Returns the pattern with these edges lettered [`Letter::Bend`], if they are lettered J and lie between two faces;
     /// `None` if the sheet is cut, or none of them is such an edge.
     pub(crate) fn bent_along(&self, bends: &[bool]) -> Option<Self> {
-        let faces = self
-            .geometry
-            .faces
-            .iter()
-            .map(<[VertexId]>::to_vec)
-            .collect();
+        let faces = self.faces().iter().map(<[VertexId]>::to_vec).collect();
         self.bent(faces, Vec::new(), |edge| {
             bends.get(edge.index()) == Some(&true) && self.edge(edge).letter == Letter::Join
         })
     }
 
     fn is_counter_clockwise(&self, triangle: [VertexId; 3]) -> bool {
-        let [a, b, c] = triangle.map(|v| self.geometry.vertices[v.index()]);
+        let [a, b, c] = triangle.map(|v| self.vertices()[v.index()]);
         (b - a).perp(&(c - a)) > 0.0
     }
 
@@ -96,12 +91,7 @@ impl CreasePattern {
             return None;
         }
         let mut drawing = self.drawing();
-        for (index, (drawn, edge)) in drawing
-            .edges
-            .iter_mut()
-            .zip(&self.geometry.edges)
-            .enumerate()
-        {
+        for (index, (drawn, edge)) in drawing.edges.iter_mut().zip(self.edges()).enumerate() {
             if edge.inner_faces().is_some() && bends(EdgeId::new(index)) {
                 drawn.letter = Letter::Bend;
             }

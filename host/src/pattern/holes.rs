@@ -20,7 +20,7 @@ pub struct Passage {
 impl CreasePattern {
     /// Returns `true` if creases go round a hole, which they have to close. Windows inside panels have none.
     pub(crate) fn has_hinged_holes(&self) -> bool {
-        let mut passages = self.geometry.holes.iter().flatten();
+        let mut passages = self.holes().iter().flatten();
         passages.any(|passage| self.edge(passage.edge).crease.is_some())
     }
 
@@ -31,8 +31,8 @@ impl CreasePattern {
     /// If there is no hole of that number.
     #[must_use]
     pub fn hole_frame(&self, hole: usize) -> (Vector2<f64>, f64) {
-        let way = &self.geometry.holes[hole];
-        let place = |passage: &Passage| self.geometry.vertices[passage.at.index()];
+        let way = &self.holes()[hole];
+        let place = |passage: &Passage| self.vertices()[passage.at.index()];
         #[allow(clippy::cast_precision_loss, reason = "a mean")]
         let middle = way.iter().map(place).sum::<Vector2<f64>>() / way.len() as f64;
         let from_middle = way.iter().map(|passage| (place(passage) - middle).norm());
@@ -45,7 +45,7 @@ impl CreasePattern {
     /// If there is no hole of that number.
     #[must_use]
     pub fn hole_site(&self, hole: usize) -> ClosureSite {
-        let first = self.geometry.holes[hole].first();
+        let first = self.holes()[hole].first();
         ClosureSite::Hole(first.map(|passage| passage.at).unwrap_or_default())
     }
 }

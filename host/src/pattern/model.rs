@@ -141,7 +141,7 @@ impl CreasePattern {
     /// is turned round.
     #[must_use]
     pub fn drawn_place(&self, vertex: VertexId) -> [f64; 2] {
-        let at = self.geometry.vertices[vertex.index()];
+        let at = self.vertices()[vertex.index()];
         // Subtracting from 0 gives 0 rather than -0.
         [at.x, if self.y_down { 0.0 - at.y } else { at.y }]
     }
@@ -154,7 +154,7 @@ impl CreasePattern {
     /// Returns a vertex of the flat sheet as a point in space with z = 0.
     #[must_use]
     pub fn point(&self, vertex: VertexId) -> Vector3<f64> {
-        self.geometry.vertices[vertex.index()].push(0.0)
+        self.vertices()[vertex.index()].push(0.0)
     }
 
     /// Returns the edges in the order of the drawing, followed by the edges that join the parts of panels with inner
@@ -253,20 +253,15 @@ impl CreasePattern {
     /// Returns the pairs of vertices whose distance rigid panels keep: edges and diagonals.
     pub fn struts(&self) -> impl Iterator<Item = [VertexId; 2]> {
         let used = |edge: &&Edge| edge.faces.iter().any(Option::is_some);
-        let edges = self
-            .geometry
-            .edges
-            .iter()
-            .filter(used)
-            .map(|edge| edge.ends);
-        edges.chain(self.geometry.diagonals.iter().copied())
+        let edges = self.edges().iter().filter(used).map(|edge| edge.ends);
+        edges.chain(self.diagonals().iter().copied())
     }
 
     /// Returns the number of virtual edges: diagonals of the triangulation, and edges of the drawing that stay flat.
     #[must_use]
     pub fn virtual_edges(&self) -> usize {
         let flat = |e: &&Edge| e.crease.is_none() && e.inner_faces().is_some();
-        self.geometry.diagonals.len() + self.geometry.edges.iter().filter(flat).count()
+        self.diagonals().len() + self.edges().iter().filter(flat).count()
     }
 
     /// Returns the median length of the edges, the unit of gaps and of crossing depths.
@@ -278,7 +273,7 @@ impl CreasePattern {
     /// Returns the distance of two vertices in the flat sheet.
     #[must_use]
     pub fn length(&self, [a, b]: [VertexId; 2]) -> f64 {
-        (self.geometry.vertices[b.index()] - self.geometry.vertices[a.index()]).norm()
+        (self.vertices()[b.index()] - self.vertices()[a.index()]).norm()
     }
 
     /// Returns the unit direction from `vertex` along `edge` in the flat sheet.
@@ -313,19 +308,14 @@ impl CreasePattern {
     /// Returns the panels: sets of faces that are joined by edges that stay flat, in the order of their first faces.
     #[must_use]
     pub fn panels(&self) -> Vec<Vec<FaceId>> {
-        let mut sets = UnionFind::new(self.geometry.faces.len());
-        for edge in self
-            .geometry
-            .edges
-            .iter()
-            .filter(|edge| edge.crease.is_none())
-        {
+        let mut sets = UnionFind::new(self.faces().len());
+        for edge in self.edges().iter().filter(|edge| edge.crease.is_none()) {
             if let Some(faces) = edge.inner_faces() {
                 sets.join_to_smaller(faces.map(FaceId::index));
             }
         }
         let mut panels: Vec<Vec<FaceId>> = Vec::new();
-        let mut of_first = vec![None; self.geometry.faces.len()];
+        let mut of_first = vec![None; self.faces().len()];
         for (face, first) in (0..).map(FaceId).zip(sets.representatives()) {
             let panel: usize = *of_first[first].get_or_insert_with(|| {
                 panels.push(Vec::new());

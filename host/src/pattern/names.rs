@@ -23,7 +23,7 @@ impl CreasePattern {
     /// Returns the names of each edge, in alphabetical order.
     #[must_use]
     pub fn names_of_edges(&self) -> Vec<Vec<&str>> {
-        let mut of_edges = vec![Vec::new(); self.geometry.edges.len()];
+        let mut of_edges = vec![Vec::new(); self.edges().len()];
         for (name, edges) in &self.names {
             for edge in edges {
                 of_edges[edge.index()].push(&**name);

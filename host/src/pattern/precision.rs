@@ -211,11 +211,7 @@ impl CreasePattern {
     #[must_use]
     pub fn precision(&self) -> Precision {
         *self.precision.get_or_init(|| {
-            let points = self
-                .geometry
-                .vertices
-                .iter()
-                .map(|point| [point.x, point.y]);
+            let points = self.vertices().iter().map(|point| [point.x, point.y]);
             Precision {
                 length: Digits::of_coordinates(points, |unit| self.looks_rounded(unit)),
                 angle: Digits::of_angles(self.goals()),
@@ -236,7 +232,7 @@ impl CreasePattern {
 
     /// Returns the goal angles of the edges that have one, radians.
     pub(crate) fn goals(&self) -> impl Iterator<Item = f64> + Clone {
-        self.geometry.edges.iter().filter_map(|edge| edge.goal)
+        self.edges().iter().filter_map(|edge| edge.goal)
     }
 
     /// Returns `true` if coordinates look as if they were rounded to this unit: lines are bent a little, or many lengths are
@@ -249,8 +245,7 @@ impl CreasePattern {
     /// be by chance.
     fn has_unequal_twins(&self, unit: f64) -> bool {
         let mut lengths: Vec<f64> = self
-            .geometry
-            .edges
+            .edges()
             .iter()
             .map(|edge| self.length(edge.ends))
             .collect();
@@ -273,7 +268,7 @@ impl CreasePattern {
     /// Returns `true` if two edges pass nearly straight through a vertex, but not quite.
     fn has_bent_line(&self) -> bool {
         self.real_vertices().any(|vertex| {
-            let star = self.geometry.stars[vertex.index()].iter();
+            let star = self.stars()[vertex.index()].iter();
             let drawn = star.filter(|edge| !self.joins_parts(**edge));
             let directions = || drawn.clone().map(|&edge| self.direction(edge, vertex));
             directions().enumerate().any(|(index, a)| {

@@ -8,15 +8,15 @@ use crate::util::progress::Watch;
 impl CreasePattern {
     /// Returns the drawing of the pattern, cut as it is: each side of a cut has its own vertices and edges.
     pub(crate) fn drawing(&self) -> Drawing {
-        let edges = self.geometry.edges.iter().map(|edge| DrawnEdge {
+        let edges = self.edges().iter().map(|edge| DrawnEdge {
             ends: edge.ends.map(VertexId::index),
             letter: edge.letter,
             goal: edge.goal,
         });
-        let faces = self.geometry.faces.iter();
+        let faces = self.faces().iter();
         let corners = |face: &[VertexId]| face.iter().map(|corner| corner.index()).collect();
         Drawing {
-            vertices: self.geometry.vertices.clone(),
+            vertices: self.vertices().to_vec(),
             edges: edges.collect(),
             faces: Some(faces.map(corners).collect()),
         }
@@ -58,7 +58,7 @@ impl CreasePattern {
 
     /// Returns `true` if the sheet is cut, so that some edges or vertices of the drawing are there twice.
     pub(super) fn is_cut(&self) -> bool {
-        let places = places(&self.geometry.vertices);
+        let places = places(self.vertices());
         let is_twice = places.iter().enumerate().any(|(vertex, at)| vertex != *at);
         is_twice || !self.slits.is_empty() || self.sheets() > 1
     }
