@@ -4,7 +4,7 @@
 use super::branch::branches_at_flat;
 use super::follow::{Followed, Homeward, Rules, Target, Waypoint, follow, tangent_at_flat};
 use super::judge::Judge;
-use super::reduction::{ClosedGoal, Reduction};
+use super::reduction::{CLOSED, ClosedGoal, Reduction};
 use super::search::{polyline, search};
 use crate::planner::closing::solver::{ClosureSolver, Work};
 use crate::planner::problem::PlanningProblem;
@@ -14,8 +14,6 @@ use crate::planner::{PlanOptions, Search};
 
 /// Largest number of iterations to close a predicted configuration: a handful suffice, unless nothing closes there.
 const MAX_ITERATIONS: u32 = 25;
-/// Closure residual that rounding may leave on a straight way between two configurations.
-const STRAIGHT_RESIDUAL: f64 = 1e-12;
 /// Smallest number of steps on a straight way: its two ends close in any case.
 const MIN_STEPS: f64 = 4.0;
 /// Largest number of branches that are followed from flat.
@@ -88,7 +86,7 @@ impl<'a> RouteFinder<'a> {
         let knots = parts.map(|step| {
             let pairs = from.iter().zip(to);
             let angles: Vec<f64> = pairs.map(|(a, b)| a + (b - a) * (step / steps)).collect();
-            (self.reduction.closure(&angles) <= STRAIGHT_RESIDUAL).then_some(angles)
+            (self.reduction.closure(&angles) <= CLOSED).then_some(angles)
         });
         let knots: Vec<_> = knots.collect::<Option<_>>()?;
         Some(Followed {

@@ -355,9 +355,15 @@ impl<'a> Reduction<'a> {
         options: &PlanOptions,
     ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
+        // No descent leads nearer than rounding does, and one that is to do so ends far from a goal that is singular.
+        let as_asked: Option<Vec<f64>> = asked.iter().copied().collect();
+        let is_allowed = |(angle, (lower, upper)): (&f64, &(f64, f64))| lower <= angle && angle <= upper;
+        let as_asked = as_asked.filter(|angles| {
+            angles.iter().zip(&limits).all(is_allowed) && self.closure(angles) <= ROUNDING_RESIDUAL
+        });
         let mut solver = self.solver(options, closure_tolerance);
         solver.limits = limits;
-        let found = nearest_closed(&mut solver, &asked, &signs);
+        let found = as_asked.or_else(|| nearest_closed(&mut solver, &asked, &signs));
         let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
         let closed = found.filter(closes).map(|angles| ClosedGoal {
             error: self.distance(&angles, goal),
