@@ -4,6 +4,8 @@ use core::f64::consts::PI;
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::Limits;
+
 /// Largest angle (radians) by which the creases round a vertex or hole may miss to fold flat if they are meant to.
 const MAX_ANGLE_RAD: f64 = 0.0175;
 
@@ -108,14 +110,16 @@ impl Condition {
     }
 
     /// Returns `true` if the vertices were probably meant to fulfil the condition: if no vertex has to move farther than
-    /// `reach`, and no angle is far off.
-    pub(super) fn is_meant(&self, points: &[Vector2<f64>], reach: f64) -> bool {
+    /// the reach, and no angle is far off.
+    pub(super) fn is_meant(&self, points: &[Vector2<f64>], limits: Limits) -> bool {
         let is_turned = match self {
             Self::FoldsFlat { creases, .. } => angle_off(points, creases).abs() > MAX_ANGLE_RAD,
             _ => false,
         };
-        let equations = self.equations(points);
-        !is_turned && equations.iter().all(|it| it.least_move() <= reach)
+        // An equation that holds may have no derivatives: the creases may share the vertex that is to be in line.
+        let is_near =
+            |it: &Equation| it.off.abs() <= limits.exact || it.least_move() <= limits.reach;
+        !is_turned && self.equations(points).iter().all(is_near)
     }
 
     /// Returns the vertices on which the condition is laid, some more than once.

@@ -8,6 +8,7 @@ use core::f64::consts::PI;
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::Limits;
 use super::condition::Condition;
 use crate::pattern::{CreasePattern, Edge, FaceId};
 use crate::util::union_find::UnionFind;
@@ -20,14 +21,15 @@ const MAX_EDGES: usize = 1 << 9;
 const CLOSED_RATIO: f64 = 1e-6;
 
 /// Returns the conditions that creases which nearly lie on one line of the sheet folded flat do so exactly. Nearly means
-/// that no end has to move farther than `reach`. There are none unless every vertex and hole folds flat. `ends` has the
+/// that no end has to move farther than the reach. There are none unless every vertex and hole folds flat. `ends` has the
 /// ends of an edge among the `points`.
 pub(super) fn conditions(
     pattern: &CreasePattern,
     points: &[Vector2<f64>],
     ends: impl Fn(&Edge) -> [usize; 2],
-    reach: f64,
+    limits: Limits,
 ) -> Vec<Condition> {
+    let reach = limits.reach;
     if pattern.edges().len() > MAX_EDGES {
         return Vec::new();
     }
@@ -59,7 +61,7 @@ pub(super) fn conditions(
                 at,
                 creases: between.clone(),
             });
-            if !between.is_empty() && on_line.iter().all(|it| it.is_meant(points, reach)) {
+            if !between.is_empty() && on_line.iter().all(|it| it.is_meant(points, limits)) {
                 lines.join([index, other]);
                 conditions.extend(on_line);
             }

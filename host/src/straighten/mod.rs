@@ -48,8 +48,8 @@ const REACH_TOLERANCES: f64 = 2.0;
 /// more: some roundings of a coordinate.
 const EXACT_RATIO: f64 = 1e-14;
 
-/// Length within which a condition counts as fulfilled after the moves, in the same unit.
-const FULFILLED_RATIO: f64 = 1e-13;
+/// Length within which a condition counts as fulfilled after the moves, as a multiple of the length within which it holds.
+const FULFILLED_RATIO: f64 = 10.0;
 
 /// Largest difference between a goal and half a turn, or flat, that is rounding, radians.
 const SAME_ANGLE_RAD: f64 = 1e-3;
@@ -176,6 +176,12 @@ fn least_moves(
 ) -> Option<Vec<Vector2<f64>>> {
     let drawn = pattern.vertices();
     let ends = |edge: &Edge| edge.ends.map(|end| places[end.index()]);
+    let coordinates = drawn.iter().map(|point| point.amax());
+    let limits = Limits {
+        reach,
+        edge: pattern.median_edge(),
+        exact: EXACT_RATIO * coordinates.fold(diagonal(drawn), f64::max),
+    };
     let mut known = HashSet::new();
     let edges = (0..).map(EdgeId).zip(pattern.edges());
     let lines = edges.filter(|(edge, _)| !pattern.joins_parts(*edge));
@@ -189,17 +195,13 @@ fn least_moves(
         // The designer of such a sheet turned lines on purpose.
         conditions.retain(|it| !matches!(it, Condition::Parallel { .. }));
     }
-    conditions.retain(|it| it.is_meant(drawn, reach));
-    let limits = Limits {
-        reach,
-        edge: pattern.median_edge(),
-    };
+    conditions.retain(|it| it.is_meant(drawn, limits));
     let moved = moved(drawn, conditions, limits, watch)?;
     if !folds_flat {
         return moved.vertices;
     }
     let vertices = moved.vertices.as_deref().unwrap_or(drawn);
-    let layers = layers::conditions(pattern, vertices, ends, reach);
+    let layers = layers::conditions(pattern, vertices, ends, limits);
     if layers.is_empty() {
         return moved.vertices;
     }
@@ -240,6 +242,8 @@ struct Limits {
     reach: f64,
     /// Length of an edge, to which moves are small.
     edge: f64,
+    /// Length within which a condition holds.
+    exact: f64,
 }
 
 /// Vertices that were moved, and the conditions that hold then.
@@ -254,12 +258,9 @@ struct Moved {
 fn moved(
     drawn: &[Vector2<f64>],
     mut conditions: Vec<Condition>,
-    Limits { reach, edge }: Limits,
+    Limits { reach, edge, exact }: Limits,
     watch: Watch<'_>,
 ) -> Option<Moved> {
-    let coordinates = drawn.iter().map(|point| point.amax());
-    let size = coordinates.fold(diagonal(drawn), f64::max);
-    let exact = EXACT_RATIO * size;
     let is_off = |it: &Condition, points: &[Vector2<f64>], within: f64| {
         let equations = it.equations(points);
         equations.iter().any(|equation| equation.off.abs() > within)
@@ -279,7 +280,7 @@ fn moved(
             .collect();
         // Conditions that stay open, or move a vertex too far, contradict others.
         let contradicts = |it: &Condition| {
-            is_off(it, &vertices, FULFILLED_RATIO * size)
+            is_off(it, &vertices, FULFILLED_RATIO * exact)
                 || is_off(it, drawn, exact) && it.vertices().any(|vertex| moves[vertex] > reach)
         };
         let first = conditions

@@ -357,7 +357,8 @@ impl<'a> Reduction<'a> {
         let (asked, signs) = self.asked(goal);
         // No descent leads nearer than rounding does, and one that is to do so ends far from a goal that is singular.
         let as_asked: Option<Vec<f64>> = asked.iter().copied().collect();
-        let is_allowed = |(angle, (lower, upper)): (&f64, &(f64, f64))| lower <= angle && angle <= upper;
+        let is_allowed =
+            |(angle, (lower, upper)): (&f64, &(f64, f64))| lower <= angle && angle <= upper;
         let as_asked = as_asked.filter(|angles| {
             angles.iter().zip(&limits).all(is_allowed) && self.closure(angles) <= ROUNDING_RESIDUAL
         });
