@@ -122,6 +122,10 @@ impl Condition {
         !is_turned && self.equations(points).iter().all(is_near)
     }
 
+    pub(super) fn is_parallel(&self) -> bool {
+        matches!(self, Self::Parallel { .. })
+    }
+
     /// Returns the vertices on which the condition is laid, some more than once.
     pub(super) fn vertices(&self) -> impl Iterator<Item = usize> {
         let (pairs, line): (&[[usize; 2]], _) = match self {

@@ -192,8 +192,12 @@ fn least_moves(
     if folds_flat {
         conditions.extend(flat_foldings(pattern, ends));
     } else {
-        // The designer of such a sheet turned lines on purpose.
-        conditions.retain(|it| !matches!(it, Condition::Parallel { .. }));
+        // The designer of such a sheet turned lines on purpose, but not by less than coordinates tell.
+        let told = Limits {
+            reach: reach.min(pattern.precision().length.unit()),
+            ..limits
+        };
+        conditions.retain(|it| !it.is_parallel() || it.is_meant(drawn, told));
     }
     conditions.retain(|it| it.is_meant(drawn, limits));
     let moved = moved(drawn, conditions, limits, watch)?;
@@ -217,9 +221,8 @@ fn with_layers(
     limits: Limits,
     watch: Watch<'_>,
 ) -> Option<Vec<Vector2<f64>>> {
-    let is_parallel = |it: &&Condition| matches!(it, Condition::Parallel { .. });
     let all = before.conditions.iter();
-    let without = all.clone().filter(|it| !is_parallel(it));
+    let without = all.clone().filter(|it| !it.is_parallel());
     let tries: [Vec<&Condition>; 2] = [all.collect(), without.collect()];
     let mut first = None;
     for conditions in tries {

@@ -151,19 +151,19 @@ fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watc
 }
 
 /// Returns the largest closure residual that the last digits of coordinates and fold angles make of angles that close:
-/// each sector angle of a vertex may be wrong by the errors of its two creases, and each fold angle by its own.
+/// the turn about each crease round a vertex or hole may be wrong by the errors of its ends, and by that of its own angle.
 fn explained_closure(pattern: &CreasePattern, length: Digits, angle: Digits) -> f64 {
     // Numbers have no more digits than a double.
     let coordinates = pattern.vertices().iter().map(|point| point.amax());
     let unit = length.unit() + f64::EPSILON * coordinates.fold(0.0, f64::max);
+    let error = |edge: EdgeId| 4.0 * unit / pattern.length(pattern.edge(edge).ends) + angle.unit();
     let vertices = pattern.real_vertices().map(|vertex| {
         let star = pattern.stars()[vertex.index()].iter();
-        let lengths = star.map(|&edge| pattern.length(pattern.edge(edge).ends));
-        lengths
-            .map(|edge| 4.0 * unit / edge + angle.unit())
-            .sum::<f64>()
+        star.map(|&edge| error(edge)).sum::<f64>()
     });
-    vertices.fold(0.0, f64::max)
+    let holes = pattern.holes().iter();
+    let holes = holes.map(|way| way.iter().map(|passage| error(passage.edge)).sum::<f64>());
+    vertices.chain(holes).fold(0.0, f64::max)
 }
 
 impl Forecast {
