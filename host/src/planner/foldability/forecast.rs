@@ -67,7 +67,8 @@ pub struct Forecast {
 /// The call ends soon after the deadline of `watch`. Cost: below a second, whatever the size of the sheet.
 #[must_use]
 pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>) -> Forecast {
-    let as_drawn = forecast_as_drawn(pattern, groups, watch);
+    let written = pattern.precision();
+    let as_drawn = forecast_as_drawn(pattern, groups, written, watch);
     let is_doubtful = matches!(as_drawn.foldability, Foldability::Perhaps | Foldability::No);
     let within = pattern.straightens_within().filter(|_| is_doubtful);
     let straight = within.and_then(|within| straightened(pattern, within, watch));
@@ -75,7 +76,7 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
         return as_drawn;
     };
     let groups = CreaseGroups::find_until(&straight, watch);
-    let mut forecast = forecast_as_drawn(&straight, &groups, watch);
+    let mut forecast = forecast_as_drawn(&straight, &groups, written, watch);
     forecast.straightened = Some(how);
     let is_better = match forecast.foldability {
         Foldability::Likely => true,
@@ -85,8 +86,14 @@ pub fn forecast(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>
     if is_better { forecast } else { as_drawn }
 }
 
-/// Foresees whether a pattern folds as it is drawn.
-fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watch<'_>) -> Forecast {
+/// Foresees whether a pattern folds as it is drawn, to a goal that is off by no more than numbers `written` so explain: moves
+/// that straightened the pattern explain first steps, but no goal that they spoil.
+fn forecast_as_drawn(
+    pattern: &CreasePattern,
+    groups: &CreaseGroups,
+    written: Precision,
+    watch: Watch<'_>,
+) -> Forecast {
     let goal = Goal::of_pattern(pattern).ok();
     let creases = || pattern.creases().iter().map(|&id| pattern.edge(id));
     let letters: Vec<f64> = creases().map(|edge| edge.letter.sign()).collect();
@@ -120,8 +127,7 @@ fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watc
     let Some(goal) = goal.filter(|_| !watch.is_over()) else {
         return forecast;
     };
-    let Precision { length, angle } = pattern.precision();
-    let rounding = explained_closure(pattern, length, Digits::Exact);
+    let rounding = explained_closure(pattern, pattern.precision().length, Digits::Exact);
     forecast.step = first_step(pattern, groups, &goal, rounding, watch);
     let all_turn = matches!(forecast.step, FirstStep::Leaves { unturned: 0, .. })
         && ways.iter().all(|way| way.abs() > 0.0);
@@ -133,7 +139,8 @@ fn forecast_as_drawn(pattern: &CreasePattern, groups: &CreaseGroups, watch: Watc
     }
     forecast.goal_residual = closure_of(pattern, &goal.fold_angles);
     let is_within = |most: f64| forecast.goal_residual.is_some_and(|it| it <= most);
-    let nearly_closes = is_within(CLOSED + explained_closure(pattern, length, angle));
+    let explained = explained_closure(pattern, written.length, written.angle);
+    let nearly_closes = is_within(CLOSED + explained);
     if is_within(CLOSED) && !watch.is_over() {
         let angles: Vec<f64> = goal.fold_angles.iter().flatten().copied().collect();
         let motions = Mobility::at(&ReducedStars::of_creases(pattern), &angles);
