@@ -237,15 +237,15 @@ pub(crate) fn first_step(
             .map(|(asked, sign)| asked.unwrap_or(sign * most))
             .collect();
         let leave =
-            |tolerance| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
+            |tolerance: f64| branches_at_flat(&reduction, &towards, &signs, tolerance, &options).0;
         let within = reduction.closure_tolerance(&options);
-        let mut found = leave(0.0);
-        if found.is_empty() && rounding > 0.0 {
-            found = leave(rounding.min(within));
-        }
-        if let Some(x) = found.first() {
-            let creases = reduction.groups.expand(x);
-            let least = UNTURNED_RATIO * max_norm(x);
+        // A part of the sheet may leave flat exactly where rounded coordinates hold the rest.
+        let mut tolerances = vec![0.0, rounding.min(within)];
+        tolerances.dedup();
+        let steps = tolerances.into_iter().map(leave);
+        for x in steps.filter_map(|found| found.into_iter().next()) {
+            let creases = reduction.groups.expand(&x);
+            let least = UNTURNED_RATIO * max_norm(&x);
             let asked = goal.fold_angles.iter().zip(&goal.signs);
             let asked = asked.map(|(angle, sign)| angle.unwrap_or(*sign));
             let unturned = asked.zip(&creases);
@@ -258,7 +258,7 @@ pub(crate) fn first_step(
             if is_better {
                 tried = FirstStep::Leaves {
                     unturned,
-                    symmetric: motions(&reduction.essential, x),
+                    symmetric: motions(&reduction.essential, &x),
                     single: motions(&ReducedStars::of_creases(pattern), &creases),
                 };
             }
