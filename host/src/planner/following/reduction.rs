@@ -355,7 +355,8 @@ impl<'a> Reduction<'a> {
         options: &PlanOptions,
     ) -> (Option<ClosedGoal>, Work) {
         let (asked, signs) = self.asked(goal);
-        // No descent leads nearer than rounding does, and one that is to do so ends far from a goal that is singular.
+        // A goal that closes but for rounding is not solved for: no step leads nearer, and where the sheet is singular, as
+        // folded flat, the solver would look for a configuration farther off.
         let as_asked: Option<Vec<f64>> = asked.iter().copied().collect();
         let is_allowed =
             |(angle, (lower, upper)): (&f64, &(f64, f64))| lower <= angle && angle <= upper;
