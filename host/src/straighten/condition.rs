@@ -122,6 +122,7 @@ impl Condition {
         !is_turned && self.equations(points).iter().all(is_near)
     }
 
+    /// Returns `true` if the condition is that two lines are parallel.
     pub(super) fn is_parallel(&self) -> bool {
         matches!(self, Self::Parallel { .. })
     }

@@ -34,8 +34,8 @@ fn sheets_get_one_verdict_in_all_drawings() {
     alike(&[], 1, 18);
 }
 
-/// Sheets on which a rounding error decides, unless all that it may change is left open: a stop closes to 1e-14 or not, a line
-/// through the vertex that its creases share has derivatives of zero or not, and hinges that are parallel are so or not.
+/// Sheets whose verdicts once hung on rounding: on whether a stop closes to 1e-14, on the derivatives of zero of a line
+/// through the vertex that its creases share, and on whether hinges are parallel to the last digit.
 #[test]
 fn sheets_that_rounding_splits_get_one_verdict_in_all_drawings() {
     for (name, seed) in [

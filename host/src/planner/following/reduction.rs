@@ -365,9 +365,9 @@ impl<'a> Reduction<'a> {
         });
         let mut solver = self.solver(options, closure_tolerance);
         solver.limits = limits;
-        let found = as_asked.or_else(|| nearest_closed(&mut solver, &asked, &signs));
         let closes = |angles: &Vec<f64>| self.closure(angles) <= self.closure_tolerance(options);
-        let closed = found.filter(closes).map(|angles| ClosedGoal {
+        let nearest = || nearest_closed(&mut solver, &asked, &signs).filter(closes);
+        let closed = as_asked.or_else(nearest).map(|angles| ClosedGoal {
             error: self.distance(&angles, goal),
             angles,
             closure_tolerance,
