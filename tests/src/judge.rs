@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use foldpath::motion::Motion;
 use foldpath::planner::{Outcome, Plan};
 use nalgebra::Vector3;
 
@@ -55,6 +56,11 @@ fn sign(goal: Option<f64>) -> f64 {
         .map_or(0.0, f64::signum)
 }
 
+/// Returns the face from which a sheet of one part is folded where deformation and gap are certified. `check` names it.
+fn certified_face(motion: &Motion) -> usize {
+    motion.pattern.tree().roots()[0].index()
+}
+
 /// Judges the path of `plan`, written as `path`, from flat towards a goal. `goal`: fold angle of each edge, radians,
 /// whose sign is the assignment; `None` for an edge without a goal. `bound`: the bound on deformation and gap. `contact`:
 /// overlap of faces up to which it is contact, over the median edge.
@@ -93,14 +99,23 @@ pub fn judge(
     }
     let (stars, mut random) = (sheet.stars(), Random::new(path.frames.len() as u64));
     let other_tree = sheet.other_tree(&stars);
+    // The plan bounds gap and deformation of the sheet as it is folded from this face.
+    let root = plan.motion.as_ref().map_or(0, certified_face);
+    let fold = |angles: &[f64]| sheet.fold_from(root, angles);
     let gaps = path.frames.iter();
-    let tear = worst(gaps.map(|frame| sheet.gap(&sheet.fold(&frame.angles))));
+    let tear = worst(gaps.map(|frame| sheet.gap(&fold(&frame.angles))));
     let mut closure = 0.0_f64;
     for (knot, frame) in path.frames.iter().enumerate() {
-        let poses = sheet.fold(&frame.angles);
+        let poses = fold(&frame.angles);
         let placed = sheet.positions(&poses);
         let mut limit =
             |what: &str, value, most| limit(&format!("knot {knot}: {what}"), value, most);
+        let moved = |&v: &usize| (frame.vertices[v] - sheet.flat[v]).norm();
+        limit(
+            "the face that is certified moves by",
+            worst(sheet.faces[root].iter().map(moved)) / sheet.median_edge(),
+            ROUNDING,
+        );
         let left = sheet.closure(&frame.angles);
         closure = closure.max(left);
         let admitted = |value: f64| value.min(bound) + ROUNDING;
@@ -108,6 +123,7 @@ pub fn judge(
             sheet,
             stars: &stars,
             angles: &frame.angles,
+            root,
         };
         // Folded along another spanning tree the sheet may gape by the certified bound, or by the difference between
         // two trees.
@@ -167,7 +183,7 @@ pub fn judge(
         let against = worst(shapes(CLOSURES).map(against));
         limit("against a letter or beyond half a turn", against, AGAINST);
         for angles in shapes(FOLDED) {
-            let poses = sheet.fold(&angles);
+            let poses = fold(&angles);
             let (placed, gap) = (sheet.positions(&poses), sheet.gap(&poses));
             let most = certified(plan.certified_deformation(), other_tree);
             limit("gap", gap, most);
@@ -176,6 +192,7 @@ pub fn judge(
                 sheet,
                 stars: &stars,
                 angles: &angles,
+                root,
             };
             shape.compare(&placed, gap, &mut random, &mut limit);
             limit(
@@ -193,7 +210,7 @@ pub fn judge(
             .map(move |s| path.motion.angles(knot, s));
         core::iter::once(frame.angles.clone()).chain(inside)
     });
-    let shapes: Vec<_> = shapes.map(|angles| sheet.fold(&angles)).collect();
+    let shapes: Vec<_> = shapes.map(|angles| fold(&angles)).collect();
     let torn = other_tree * worst(shapes.iter().map(|shape| sheet.gap(shape)));
     let passed = sheet
         .passed(&shapes, torn + (contact - CONTACT))

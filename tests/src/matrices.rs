@@ -113,12 +113,12 @@ impl Sheet {
     }
 
     /// Returns the positions of the vertices by 4x4 matrices. Faces are placed depth first from the last face, then
-    /// moved to where face 0 stays. Paths from face to face hardly ever agree with those of [`Sheet::fold`].
+    /// moved to where face `root` stays. Paths from face to face hardly ever agree with those of [`Sheet::fold`].
     ///
     /// # Panics
     /// If the sheet is not connected.
     #[must_use]
-    pub fn positions_by_matrices(&self, angles: &[f64]) -> Vec<Vector3<f64>> {
+    pub fn positions_by_matrices(&self, root: usize, angles: &[f64]) -> Vec<Vector3<f64>> {
         let mut beyond = vec![Vec::new(); self.faces.len()];
         for (edge, sides) in self.sides.iter().enumerate() {
             if let [Some(left), Some(right)] = *sides {
@@ -140,7 +140,7 @@ impl Sheet {
                 open.push((other, motion * line.turned(angle)));
             }
         }
-        let first = motions[0].expect("one sheet");
+        let first = motions[root].expect("one sheet");
         // Inverts a rigid motion.
         let turn = rotation(&first).transpose();
         let shift = first.fixed_view::<3, 1>(0, 3).into_owned();

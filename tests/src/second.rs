@@ -19,6 +19,8 @@ pub(crate) struct Shape<'a> {
     pub(crate) sheet: &'a Sheet,
     pub(crate) stars: &'a [(usize, Vec<usize>)],
     pub(crate) angles: &'a [f64],
+    /// The face that stays.
+    pub(crate) root: usize,
 }
 
 impl Shape<'_> {
@@ -34,6 +36,7 @@ impl Shape<'_> {
             sheet,
             stars,
             angles,
+            root,
         } = *self;
         let apart = |others: &[Vector3<f64>]| {
             let ways = positions.iter().zip(others).map(|(a, b)| (a - b).norm());
@@ -50,7 +53,7 @@ impl Shape<'_> {
         // Paths on different sides of a hole differ by a gap.
         let gap = sheet.other_tree(stars) * gap;
         let torn = WINDINGS * self.apart() + gap;
-        let others = sheet.positions_by_matrices(angles);
+        let others = sheet.positions_by_matrices(root, angles);
         limit(
             "positions off those of another tree by",
             apart(&others),

@@ -298,7 +298,7 @@ fn judge(path: &Animation, options: &CheckOptions, closure_bound: f64, found: &m
         let poses = sheet.fold(angles);
         let (gap, placed) = (sheet.gap(&poses), sheet.positions(&poses));
         let deformation = sheet.deformation(&placed);
-        let other = sheet.positions_by_matrices(angles);
+        let other = sheet.positions_by_matrices(0, angles);
         let apart = placed.iter().zip(&other).map(|(a, b)| (a - b).norm());
         let apart = worst(apart) / sheet.median_edge();
         let most = sheet.other_tree(&stars) * options.bound;
