@@ -15,9 +15,10 @@ const MIN_STEPS: f64 = 1e4;
 const MIN_ROUNDED_STEPS: f64 = 1e2;
 /// Ratio of a number to the largest one up to which the number is a zero with the noise of a program.
 const ZERO_RATIO: f64 = 1e-9;
-/// Number of digits that a number of the largest decade has at least if numbers are rounded, and number of such numbers
-/// that show to which place.
+/// Number of digits that a number of the largest decade has at least if numbers are rounded, how many fewer it may have than
+/// the longest number, and number of such numbers that show to which place.
 const MIN_LARGE_DIGITS: usize = 4;
+const MAX_SHORTER: usize = 2;
 const MIN_LARGE: usize = 2;
 /// Largest difference of lengths that are equal but for rounding, in units of the last digit, and relative difference up to
 /// which lengths are equal.
@@ -174,8 +175,7 @@ impl Digits {
         let mut numbers: Vec<f64> = numbers.collect();
         numbers.sort_unstable_by(f64::total_cmp);
         numbers.dedup_by(|a, b| a.to_bits() == b.to_bits());
-        let decade = largest.log10().floor();
-        let (mut least, mut of_large, mut large, mut longest) = (None, None, 0, 0);
+        let (mut least, mut longest) = (None, 0);
         for &x in &numbers {
             let (digits, place) = last_place(x);
             if digits >= FULL_DIGITS {
@@ -187,15 +187,19 @@ impl Digits {
             }
             least = least.max(Some(place));
             longest = longest.max(digits);
-            if digits >= MIN_LARGE_DIGITS && x.log10().floor() >= decade {
-                of_large = of_large.max(Some(place));
-                large += 1;
-            }
         }
         let Some(least) = least else {
             return Self::Exact;
         };
-        let place = if large >= MIN_LARGE && of_large < Some(least) {
+        let decade = largest.log10().floor();
+        let large = numbers.iter().rev().copied();
+        let large = large.take_while(|x| x.log10().floor() >= decade);
+        // Whole numbers beside long ones do not show to which place the largest numbers are rounded.
+        let rounded = large
+            .map(last_place)
+            .filter(|&(digits, _)| digits >= MIN_LARGE_DIGITS && digits + MAX_SHORTER >= longest);
+        let places: Vec<i32> = rounded.map(|(_, place)| place).collect();
+        let place = if places.len() >= MIN_LARGE && places.iter().all(|&place| place < least) {
             let (digits, place) = last_place(largest);
             place + count(longest) - count(digits)
         } else {
@@ -374,6 +378,13 @@ mod tests {
         close(unit(10.0, 0.0), 1e-3);
         close(unit(1e4, 0.0), 1.0);
         close(unit(1.0, 1e5), 1e-4);
+        // The largest numbers are whole, which says nothing of the others.
+        let rows = [[1.012, 0.0], [3.734_356, 1.0], [6.409_735, -1.0]];
+        let far = rows.map(|[x, y]| [x + 1e3, y - 2e4]);
+        close(
+            Digits::of_coordinates(far.into_iter(), |_| false).unit(),
+            1e-6,
+        );
         let grid = |scale: f64| {
             let grid = (0..40).map(|k| [f64::from(k % 7) * scale, f64::from(k / 7) * scale]);
             Digits::of_coordinates(grid, |_| true)
