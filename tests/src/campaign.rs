@@ -353,7 +353,8 @@ fn judge(
     let text = motion_text(&motion);
     let goal: Vec<Option<f64>> = drawing.edges.iter().map(|edge| edge.goal).collect();
     let planned = plan.outcome == Outcome::Planned;
-    let contact = if family.seams {
+    // A path that ends at a crossing ends where the overlap reaches the tolerance of contact.
+    let contact = if family.seams || !planned {
         2.0 * plan.crossings.contact_tolerance
     } else {
         CONTACT

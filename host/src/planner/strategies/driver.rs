@@ -247,11 +247,20 @@ const fn other_seed(seed: u64) -> Row {
         seed: Some(seed),
         is_tried: |context| {
             let is_new = context.row.seed != Some(context.problem.options.seed);
-            is_new && context.best.effort.is_random && context.is_unplanned()
+            let may_help = is_new && context.best.effort.is_random && context.is_unplanned();
+            may_help && !crosses_at_goal_asked(context)
         },
         is_better: leads_farther_uncrossed,
         ..BASE
     }
+}
+
+/// Returns `true` if faces cross at the goal, which names every crease and closes as asked: no path leads there.
+fn crosses_at_goal_asked(context: &Context<'_>) -> bool {
+    let (pattern, goal) = (context.problem.pattern, &context.problem.goal.fold_angles);
+    let is_whole = goal.iter().all(Option::is_some);
+    let closes = || closure_of(pattern, goal).is_some_and(|off| off <= CLOSED);
+    matches!(context.best.reason, Some(Reason::GoalCrosses { .. })) && is_whole && closes()
 }
 
 /// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,
