@@ -50,13 +50,23 @@ impl HandMade {
     /// ρ) = tan 20° / tan 70°.
     #[must_use]
     pub fn fan() -> Self {
-        let tips = [0.0_f64, 70.0, 110.0, 180.0].map(f64::to_radians);
-        let tips = tips.map(|tip| [tip.cos(), tip.sin()]);
+        Self::sectors(&[0.0, 70.0, 110.0, 180.0].map(|direction| (direction, 1.0)))
+    }
+
+    /// Returns triangles round one corner of the sheet between these rays: direction, degrees, and length.
+    #[must_use]
+    pub fn sectors(rays: &[(f64, f64)]) -> Self {
+        let last = rays.len();
+        let tips = rays.iter().map(|(direction, length)| {
+            let (sin, cos) = direction.to_radians().sin_cos();
+            [length * cos, length * sin]
+        });
+        let rim = (1..last).map(|k| [k, k + 1]);
         Self {
             vertices: [[0.0; 2]].into_iter().chain(tips).collect(),
-            edges: vec![[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4]],
-            faces: (1..4).map(|k| vec![0, k, k + 1]).collect(),
-            hinges: vec![1, 2],
+            edges: (1..=last).map(|k| [0, k]).chain(rim).collect(),
+            faces: (1..last).map(|k| vec![0, k, k + 1]).collect(),
+            hinges: (1..last - 1).collect(),
         }
     }
 

@@ -11,7 +11,8 @@ use crate::{Pose, Sheet};
 const CONTACT: f64 = 1e-6;
 /// Largest sine of the angle between faces that lie flat on each other.
 const PARALLEL: f64 = 1e-4;
-/// Distance of a point from the sides of a face, over the median edge, from which on it is inside.
+/// Distance from the sides of a face, and least width of what two faces have in common, over the median edge, from which on
+/// they lie on each other.
 const INSIDE: f64 = 1e-3;
 
 impl Sheet {
@@ -66,18 +67,36 @@ impl Sheet {
         if corners().any(|corner| seen(corner).z.abs() > contact) {
             return None;
         }
-        let inside = |point: &Vector3<f64>| {
-            let place = seen(*point);
-            sides(&self.faces[a]).all(|[p, q]| {
-                let way = (self.flat[q] - self.flat[p]).normalize();
-                way.cross(&(place - self.flat[p])).z > INSIDE * unit
-            })
-        };
+        let mut common: Vec<_> = corners().collect();
+        for [p, q] in sides(&self.faces[a]) {
+            let way = (self.flat[q] - self.flat[p]).normalize();
+            let inside =
+                |point: &Vector3<f64>| way.cross(&(seen(*point) - self.flat[p])).z - INSIDE * unit;
+            common = cut(&common, inside);
+        }
+        let first = *common.first()?;
+        let (mut area, mut around) = (0.0, 0.0);
+        for (from, to) in common.iter().zip(common.iter().cycle().skip(1)) {
+            area += (from - first).cross(&(to - first)).z / 2.0;
+            around += (to - from).norm();
+        }
         #[allow(clippy::cast_precision_loss, reason = "a few corners")]
-        let middle = corners().sum::<Vector3<f64>>() / self.faces[b].len() as f64;
-        let parts = [0.0, 0.95, 0.5].into_iter();
-        let mut points =
-            parts.flat_map(|part| corners().map(move |c| middle + (c - middle) * part));
-        points.find(inside)
+        let middle = common.iter().sum::<Vector3<f64>>() / common.len() as f64;
+        (area.abs() > INSIDE * unit * around).then_some(middle)
     }
+}
+
+/// Returns the part of a polygon on which a linear function is positive.
+fn cut(polygon: &[Vector3<f64>], inside: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
+    let mut part = Vec::new();
+    for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+        let [start, end] = [from, to].map(&inside);
+        if start > 0.0 {
+            part.push(*from);
+        }
+        if start * end < 0.0 {
+            part.push(from + (to - from) * (start / (start - end)));
+        }
+    }
+    part
 }

@@ -450,6 +450,95 @@ fn flaps_cross_just_beyond_where_they_meet() {
 }
 
 /// Flat-folded, all layers lie in one plane: this is contact, not a crossing.
+/// Returns a path of three to five triangles round a corner, whose hinges turn one after the other, to flat or by half a
+/// turn. Sectors are whole degrees wide, so that one reaches beyond another by a degree or not at all.
+fn turned_fan(random: &mut Random) -> Value {
+    let hinges = random.whole(2, 4);
+    let mut direction = 0;
+    let mut rays = vec![(0.0, random.uniform(0.3, 1.5))];
+    for _ in 0..=hinges {
+        direction += u32::try_from(random.whole(5, 40)).unwrap();
+        rays.push((f64::from(direction), random.uniform(0.3, 1.5)));
+    }
+    let mut angles = vec![0.0; hinges];
+    let mut knots = vec![angles.clone()];
+    for _ in 0..random.whole(2, 6) {
+        angles[random.whole(0, hinges - 1)] = [-180.0, 0.0, 180.0][random.whole(0, 2)];
+        knots.push(angles.clone());
+    }
+    let knots = (0_u32..).zip(knots).map(|(k, angles)| HandKnot {
+        time: f64::from(k),
+        rates: vec![0.0; angles.len()],
+        angles,
+    });
+    HandMade::sectors(&rays).path("hermite", &knots.collect::<Vec<_>>())
+}
+
+#[test]
+fn layers_of_fans_pass_through_each_other_as_the_oracle_says() {
+    let mut crossed = 0;
+    for seed in 0..1000 {
+        let path = turned_fan(&mut Random::new(seed));
+        let failures = failures(&path);
+        let found = failures
+            .iter()
+            .any(|failure| failure.contains("pass through each other"));
+        let (sheet, motion) = (Sheet::of(&path).unwrap(), Motion::of(&path).unwrap());
+        // A hinge that turns by a whole turn is flat in the middle of its segment.
+        let segments = 0..path["file_frames"].as_array().unwrap().len() - 1;
+        let places = segments.flat_map(|segment| (0..=100).map(move |k| (segment, k)));
+        let shapes =
+            places.map(|(segment, k)| sheet.fold(&motion.angles(segment, f64::from(k) / 100.0)));
+        let shapes: Vec<_> = shapes.collect();
+        let crosses = shapes
+            .iter()
+            .any(|shape| !sheet.crossings(&sheet.positions(shape)).is_empty());
+        let expected = crosses || !sheet.passed(&shapes, 0.0).is_empty();
+        assert_eq!(found, expected, "seed {seed}: {failures:?}");
+        crossed += u32::from(found);
+    }
+    assert!((200..400).contains(&crossed), "{crossed}");
+}
+
+/// The first of three sectors is folded over the second, the third under the second, and the first comes back and on below
+/// the sheet. It meets the third if that is wider than the second. The sectors rest as they come to lie on each other, so that
+/// their heights shrink with the square of time.
+#[test]
+fn a_sector_that_comes_back_meets_what_was_folded_under_the_sheet() {
+    let mut random = Random::new(1);
+    for _ in 0..300 {
+        let widths = [
+            random.uniform(15.0, 40.0),
+            random.uniform(5.0, 25.0),
+            random.uniform(5.0, 40.0),
+        ];
+        let mut direction = 0.0;
+        let rays = [0.0].into_iter().chain(widths).map(|width| {
+            direction += width;
+            (direction, random.uniform(0.3, 1.5))
+        });
+        let fan = HandMade::sectors(&rays.collect::<Vec<_>>());
+        let knots = [
+            (0.0, [0.0, 0.0]),
+            (4.0, [180.0, 0.0]),
+            (8.0, [180.0, -180.0]),
+            (12.0, [90.0, -180.0]),
+            (14.0, [0.0, -180.0]),
+            (16.0, [-20.0, -180.0]),
+        ];
+        let knots = knots.map(|(time, angles)| HandKnot {
+            time,
+            angles: angles.to_vec(),
+            rates: vec![0.0; 2],
+        });
+        let failures = failures(&fan.path("hermite", &knots));
+        let crosses = failures
+            .iter()
+            .any(|failure| failure.contains("pass through each other"));
+        assert_eq!(crosses, widths[2] > widths[1], "{widths:?}: {failures:?}");
+    }
+}
+
 #[test]
 fn layers_in_contact_hold() {
     for sector_angle in [45.0_f64, 60.0, 80.0] {

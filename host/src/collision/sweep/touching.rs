@@ -73,7 +73,7 @@ impl Sweep<'_> {
         }
         let through = pair.above.is_some_and(|above| {
             let mut sides = heights.into_iter().zip(above);
-            sides.all(|(height, above)| (height > 0.0) != above)
+            sides.all(|(height, above)| height.abs() <= tolerance || (height > 0.0) != above)
         });
         if through {
             Touch::Through(most)
@@ -110,10 +110,10 @@ impl Sweep<'_> {
                 _ => tolerance,
             };
             match self.heights(nodes, tolerance) {
-                Some(heights) if heights.iter().all(|h| h.abs() > least) => {
-                    return Some(heights.map(|height| height > 0.0));
-                }
-                Some(_) => to = time,
+                Some(heights) => match self.sides(nodes, heights, least) {
+                    None => to = time,
+                    sides => return sides,
+                },
                 None => from = time,
             }
             if to - from <= 1 {
@@ -121,6 +121,24 @@ impl Sweep<'_> {
             }
             time = (from + to) / 2;
         }
+    }
+
+    /// Returns which of two placed pieces is above the other, as [`came_from`](Self::came_from) does, given their heights over
+    /// each other; `None` if they lie on each other up to `least`. Pieces on each other are nearly parallel, so that one
+    /// height tells the other side too.
+    fn sides(&self, nodes: [u32; 2], heights: [f64; 2], least: f64) -> Option<[bool; 2]> {
+        let placed = self.sheet.placed();
+        let [a, b] = nodes.map(|node| placed.piece(node).normal);
+        let is_turned_over = a.dot(&b) < 0.0;
+        let told = |own: f64, other: f64| {
+            if own.abs() > least {
+                own > 0.0
+            } else {
+                (other > 0.0) == is_turned_over
+            }
+        };
+        let [first, second] = heights;
+        (first.abs().max(second.abs()) > least).then(|| [told(first, second), told(second, first)])
     }
 
     /// Returns the heights of two placed pieces over each other.
