@@ -450,16 +450,25 @@ fn flaps_cross_just_beyond_where_they_meet() {
 }
 
 /// Flat-folded, all layers lie in one plane: this is contact, not a crossing.
-/// Returns a path of three to five triangles round a corner, whose hinges turn one after the other, to flat or by half a
-/// turn. Sectors are whole degrees wide, so that one reaches beyond another by a degree or not at all.
-fn turned_fan(random: &mut Random) -> Value {
+/// Returns a path of three to five panels, triangles round a corner or a strip, whose hinges turn one after the other, to
+/// flat or by half a turn. Sectors are whole degrees wide and panels whole tenths, so that one reaches beyond another by
+/// one of these or not at all.
+fn turned_layers(random: &mut Random) -> Value {
     let hinges = random.whole(2, 4);
-    let mut direction = 0;
-    let mut rays = vec![(0.0, random.uniform(0.3, 1.5))];
-    for _ in 0..=hinges {
-        direction += u32::try_from(random.whole(5, 40)).unwrap();
-        rays.push((f64::from(direction), random.uniform(0.3, 1.5)));
-    }
+    let widths = (0..=hinges).map(|_| u32::try_from(random.whole(5, 40)).unwrap());
+    let ends: Vec<f64> = widths
+        .scan(0, |end, width| {
+            *end += width;
+            Some(f64::from(*end))
+        })
+        .collect();
+    let ends: Vec<f64> = [0.0].into_iter().chain(ends).collect();
+    let sheet = if random.chance(0.7) {
+        let rays = ends.iter().map(|&end| (end, random.uniform(0.3, 1.5)));
+        HandMade::sectors(&rays.collect::<Vec<_>>())
+    } else {
+        HandMade::panels(&ends.iter().map(|end| end / 10.0).collect::<Vec<_>>())
+    };
     let mut angles = vec![0.0; hinges];
     let mut knots = vec![angles.clone()];
     for _ in 0..random.whole(2, 6) {
@@ -471,14 +480,14 @@ fn turned_fan(random: &mut Random) -> Value {
         rates: vec![0.0; angles.len()],
         angles,
     });
-    HandMade::sectors(&rays).path("hermite", &knots.collect::<Vec<_>>())
+    sheet.path("hermite", &knots.collect::<Vec<_>>())
 }
 
 #[test]
-fn layers_of_fans_pass_through_each_other_as_the_oracle_says() {
+fn layers_pass_through_each_other_as_the_oracle_says() {
     let mut crossed = 0;
-    for seed in 0..1000 {
-        let path = turned_fan(&mut Random::new(seed));
+    for seed in 0..500 {
+        let path = turned_layers(&mut Random::new(seed));
         let failures = failures(&path);
         let found = failures
             .iter()
@@ -497,7 +506,7 @@ fn layers_of_fans_pass_through_each_other_as_the_oracle_says() {
         assert_eq!(found, expected, "seed {seed}: {failures:?}");
         crossed += u32::from(found);
     }
-    assert!((200..400).contains(&crossed), "{crossed}");
+    assert!((100..200).contains(&crossed), "{crossed}");
 }
 
 /// The first of three sectors is folded over the second, the third under the second, and the first comes back and on below
