@@ -175,6 +175,7 @@ impl Digits {
         let mut numbers: Vec<f64> = numbers.collect();
         numbers.sort_unstable_by(f64::total_cmp);
         numbers.dedup_by(|a, b| a.to_bits() == b.to_bits());
+        let mut written = Vec::with_capacity(numbers.len());
         let (mut least, mut longest) = (None, 0);
         for &x in &numbers {
             let (digits, place) = last_place(x);
@@ -187,19 +188,19 @@ impl Digits {
             }
             least = least.max(Some(place));
             longest = longest.max(digits);
+            written.push((digits, place));
         }
         let Some(least) = least else {
             return Self::Exact;
         };
         let decade = largest.log10().floor();
-        let large = numbers.iter().rev().copied();
-        let large = large.take_while(|x| x.log10().floor() >= decade);
+        let large = numbers.partition_point(|x| x.log10().floor() < decade);
         // Whole numbers beside long ones do not show to which place the largest numbers are rounded.
-        let rounded = large
-            .map(last_place)
-            .filter(|&(digits, _)| digits >= MIN_LARGE_DIGITS && digits + MAX_SHORTER >= longest);
-        let places: Vec<i32> = rounded.map(|(_, place)| place).collect();
-        let place = if places.len() >= MIN_LARGE && places.iter().all(|&place| place < least) {
+        let mut rounded = written[large..].to_vec();
+        rounded
+            .retain(|&(digits, _)| digits >= MIN_LARGE_DIGITS && digits + MAX_SHORTER >= longest);
+        let place = if rounded.len() >= MIN_LARGE && rounded.iter().all(|&(_, place)| place < least)
+        {
             let (digits, place) = last_place(largest);
             place + count(longest) - count(digits)
         } else {

@@ -32,6 +32,22 @@ fn failures(path: &Value) -> Vec<String> {
     }
 }
 
+fn tell_a_crossing(failures: &[String]) -> bool {
+    failures
+        .iter()
+        .any(|failure| failure.contains("pass through each other"))
+}
+
+/// Returns knots at these times, at which the hinges have these angles and rest.
+fn at_rest(knots: impl IntoIterator<Item = (f64, Vec<f64>)>) -> Vec<HandKnot> {
+    let knots = knots.into_iter().map(|(time, angles)| HandKnot {
+        time,
+        rates: vec![0.0; angles.len()],
+        angles,
+    });
+    knots.collect()
+}
+
 /// Returns the middle knot, which is neither flat nor the goal.
 fn frame(path: &mut Value) -> &mut Value {
     let knots = path["file_frames"].as_array().unwrap().len();
@@ -388,22 +404,15 @@ fn crossing_faces_are_rejected() {
     let blind = PlanOptions::default().with(|it| it.collision = false);
     let text = Planned::new("waterbomb-12x22-crossing", &blind).text();
     let verdict = check(&path_file(&text).unwrap(), &strict());
-    let mut failures = verdict.findings().into_iter();
-    assert!(
-        failures.any(|failure| failure.contains("pass through each other")),
-        "{:?}",
-        verdict.findings()
-    );
+    let failures = verdict.findings();
+    assert!(tell_a_crossing(&failures), "{failures:?}");
 }
 
 /// Returns a path in which the hinges turn to `goals` (degrees) together, in straight lines.
 fn hand_made(sheet: &HandMade, goals: [f64; 2]) -> Value {
-    let knot = |k: u32| HandKnot {
-        time: f64::from(k),
-        angles: goals.map(|goal| goal * f64::from(k) / 19.0).into(),
-        rates: vec![0.0; 2],
-    };
-    sheet.path("linear", &(0..20).map(knot).collect::<Vec<_>>())
+    let knots = (0..20).map(f64::from);
+    let knots = knots.map(|k| (k, goals.map(|goal| goal * k / 19.0).into()));
+    sheet.path("linear", &at_rest(knots))
 }
 
 #[test]
@@ -441,28 +450,22 @@ fn flaps_cross_just_beyond_where_they_meet() {
         ),
     ] {
         let failures = failures(&path);
-        let said = failures
-            .iter()
-            .any(|failure| failure.contains("pass through each other"));
+        let said = tell_a_crossing(&failures);
         assert_eq!(said, crosses, "{what}: {failures:?}");
         assert_eq!(failures.is_empty(), !crosses, "{what}: {failures:?}");
     }
 }
 
-/// Flat-folded, all layers lie in one plane: this is contact, not a crossing.
 /// Returns a path of three to five panels, triangles round a corner or a strip, whose hinges turn one after the other, to
 /// flat or by half a turn. Sectors are whole degrees wide and panels whole tenths, so that one reaches beyond another by
 /// one of these or not at all.
 fn turned_layers(random: &mut Random) -> Value {
     let hinges = random.whole(2, 4);
-    let widths = (0..=hinges).map(|_| u32::try_from(random.whole(5, 40)).unwrap());
-    let ends: Vec<f64> = widths
-        .scan(0, |end, width| {
-            *end += width;
-            Some(f64::from(*end))
-        })
-        .collect();
-    let ends: Vec<f64> = [0.0].into_iter().chain(ends).collect();
+    let mut ends = vec![0.0];
+    for _ in 0..=hinges {
+        let width = u32::try_from(random.whole(5, 40)).unwrap();
+        ends.push(ends[ends.len() - 1] + f64::from(width));
+    }
     let sheet = if random.chance(0.7) {
         let rays = ends.iter().map(|&end| (end, random.uniform(0.3, 1.5)));
         HandMade::sectors(&rays.collect::<Vec<_>>())
@@ -475,12 +478,7 @@ fn turned_layers(random: &mut Random) -> Value {
         angles[random.whole(0, hinges - 1)] = [-180.0, 0.0, 180.0][random.whole(0, 2)];
         knots.push(angles.clone());
     }
-    let knots = (0_u32..).zip(knots).map(|(k, angles)| HandKnot {
-        time: f64::from(k),
-        rates: vec![0.0; angles.len()],
-        angles,
-    });
-    sheet.path("hermite", &knots.collect::<Vec<_>>())
+    sheet.path("hermite", &at_rest((0_u32..).map(f64::from).zip(knots)))
 }
 
 #[test]
@@ -489,9 +487,7 @@ fn layers_pass_through_each_other_as_the_oracle_says() {
     for seed in 0..500 {
         let path = turned_layers(&mut Random::new(seed));
         let failures = failures(&path);
-        let found = failures
-            .iter()
-            .any(|failure| failure.contains("pass through each other"));
+        let found = tell_a_crossing(&failures);
         let (sheet, motion) = (Sheet::of(&path).unwrap(), Motion::of(&path).unwrap());
         // A hinge that turns by a whole turn is flat in the middle of its segment.
         let segments = 0..path["file_frames"].as_array().unwrap().len() - 1;
@@ -535,19 +531,14 @@ fn a_sector_that_comes_back_meets_what_was_folded_under_the_sheet() {
             (14.0, [0.0, -180.0]),
             (16.0, [-20.0, -180.0]),
         ];
-        let knots = knots.map(|(time, angles)| HandKnot {
-            time,
-            angles: angles.to_vec(),
-            rates: vec![0.0; 2],
-        });
+        let knots = at_rest(knots.map(|(time, angles)| (time, angles.to_vec())));
         let failures = failures(&fan.path("hermite", &knots));
-        let crosses = failures
-            .iter()
-            .any(|failure| failure.contains("pass through each other"));
+        let crosses = tell_a_crossing(&failures);
         assert_eq!(crosses, widths[2] > widths[1], "{widths:?}: {failures:?}");
     }
 }
 
+/// Flat-folded, all layers lie in one plane: this is contact, not a crossing.
 #[test]
 fn layers_in_contact_hold() {
     for sector_angle in [45.0_f64, 60.0, 80.0] {
@@ -589,12 +580,8 @@ fn positions_that_are_off_hide_no_crossing() {
     let strip = HandMade::panels(&[0.0, 2.0, 3.0, 5.0, 6.5]);
     for (lid, expected) in [(90.0, false), (90.02, true)] {
         let angles = [[0.0; 3], [90.0, 90.0, 0.0], [90.0, 90.0, lid]];
-        let knots = (0_u32..).zip(angles).map(|(k, angles)| HandKnot {
-            time: f64::from(k),
-            rates: vec![0.0; 3],
-            angles: angles.to_vec(),
-        });
-        let mut path = strip.path("linear", &knots.collect::<Vec<_>>());
+        let angles = angles.map(Vec::from);
+        let mut path = strip.path("linear", &at_rest((0_u32..).map(f64::from).zip(angles)));
         let sheet = Sheet::of(&path).unwrap();
         let motion = Motion::of(&path).unwrap();
         let mut random = Random::new(1);
@@ -608,9 +595,7 @@ fn positions_that_are_off_hide_no_crossing() {
             frame["vertices_coords"] = vertices.iter().map(|p| [p.x, p.y, p.z]).collect();
         }
         let failures = failures(&path);
-        let crosses = failures
-            .iter()
-            .any(|failure| failure.contains("pass through each other"));
+        let crosses = tell_a_crossing(&failures);
         assert_eq!(crosses, expected, "{failures:?}");
         assert_eq!(failures.len(), usize::from(expected), "{failures:?}");
     }
@@ -630,12 +615,7 @@ fn layers_that_leave_through_each_other_are_rejected() {
             angles[hinge] = half;
             knots.push(angles.clone());
         }
-        let knots = (0_u32..).zip(knots).map(|(k, angles)| HandKnot {
-            time: f64::from(k),
-            rates: vec![0.0; angles.len()],
-            angles,
-        });
-        let path = strip.path("linear", &knots.collect::<Vec<_>>());
+        let path = strip.path("linear", &at_rest((0_u32..).map(f64::from).zip(knots)));
         let failures = failures(&path);
         let said = failures.iter().any(|failure| {
             failure.contains("between knots 1 and 2") && failure.contains("pass through each other")

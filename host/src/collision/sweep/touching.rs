@@ -67,16 +67,11 @@ impl Sweep<'_> {
         let Some(heights) = self.heights(pair.nodes, tolerance) else {
             return Touch::Nowhere;
         };
-        let most = heights[0].abs().max(heights[1].abs());
-        if most <= tolerance {
+        let Some(sides) = self.sides(pair.nodes, heights, tolerance) else {
             return Touch::Flat;
-        }
-        let through = pair.above.is_some_and(|above| {
-            let mut sides = heights.into_iter().zip(above);
-            sides.all(|(height, above)| height.abs() <= tolerance || (height > 0.0) != above)
-        });
-        if through {
-            Touch::Through(most)
+        };
+        if pair.above == Some(sides.map(|side| !side)) {
+            Touch::Through(heights[0].abs().max(heights[1].abs()))
         } else {
             Touch::Nowhere
         }

@@ -258,9 +258,8 @@ const fn other_seed(seed: u64) -> Row {
 /// Returns `true` if faces cross at the goal, which names every crease and closes as asked: no path leads there.
 fn crosses_at_goal_asked(context: &Context<'_>) -> bool {
     let (pattern, goal) = (context.problem.pattern, &context.problem.goal.fold_angles);
-    let is_whole = goal.iter().all(Option::is_some);
-    let closes = || closure_of(pattern, goal).is_some_and(|off| off <= CLOSED);
-    matches!(context.best.reason, Some(Reason::GoalCrosses { .. })) && is_whole && closes()
+    matches!(context.best.reason, Some(Reason::GoalCrosses { .. }))
+        && closure_of(pattern, goal).is_some_and(|off| off <= CLOSED)
 }
 
 /// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,
