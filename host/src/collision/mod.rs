@@ -21,7 +21,7 @@
 //! | `IntervalBroadPhase::is_body` | at rest relative to each other over a segment | all creases between them along the tree keep their angles | `host/tests/it/sweep.rs`, layers that rested |
 //! | `ComovingNow::until` | at rest relative to each other | the bound on their relative motion is within contact | `comoving_faces.rs`; `wrong_paths.rs`, layers that leave through each other |
 //! | `LatticePairs` | that a pair of the lattice stands for | they move alike, up to the deviation of the lattice | `skips.rs`; `host/tests/it/lattice.rs` |
-//! | `Sweep::at_contact` | in contact | a plane stays between them, by second-order bounds | `wrong_paths.rs`, layers that leave through each other; `exact.rs` |
+//! | `Sweep::at_contact` | in contact | a plane stays between them, or all turns together move one by no more than `Sweep::after` admits, by second-order bounds | `wrong_paths.rs`, layers that leave through each other; `exact.rs` |
 //! | the boxes of `CollisionScene` | any, at one configuration | their boxes do not overlap | `host/tests/it/clearance.rs`; `campaign.rs`, the oracle |
 
 mod convex;

@@ -300,6 +300,34 @@ fn layers_that_turn_nearly_alike_are_followed_together() {
     assert!((part..3.0 * part).contains(&s), "{s}");
 }
 
+/// The fourth panel or sector lies on the first, and is behind it on the way by an angle within contact, so that no plane is
+/// between them. All hinges turn.
+#[test]
+fn layers_behind_each_other_within_contact_take_few_queries() {
+    let panels = strip(&[0.0, 0.6, 1.6, 2.6, 3.1], &[0.0; 5]);
+    let sectors = fan(&[0.0, 40.0, 100.0, 160.0, 200.0]);
+    for sheet in [&panels, &sectors] {
+        for behind in [0.0, 1e-8, 1e-7, 1e-6, 2e-6, 3e-6, 4e-6, 5e-6] {
+            let motion = vec![
+                vec![line(0.0, 0.0), line(0.0, 180.0), line(0.0, 0.0)],
+                vec![
+                    Curve::Angle([0.0, 0.9, 1.8, 2.7]),
+                    line(180.0, 180.0 - 1e-6),
+                    Curve::Angle([0.0, behind - 0.9, behind - 1.8, -2.7]),
+                ],
+            ];
+            let mut sweep = Sweep::new(&sheet.0, &sheet.1, SweepOptions::default(), None);
+            let verdict = sweep.sweep(&motion);
+            assert!(
+                matches!(verdict, SweepVerdict::Free(_)),
+                "{behind:e}: {verdict:?}"
+            );
+            let tested = sweep.counts().tested;
+            assert!(tested < 2000, "{behind:e}: {tested}");
+        }
+    }
+}
+
 #[test]
 fn sectors_that_lie_on_each_other_leave_in_their_order() {
     let sectors = fan(&[0.0, 60.0, 120.0, 180.0]);

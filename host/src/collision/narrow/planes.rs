@@ -40,6 +40,27 @@ pub(in crate::collision) struct Change {
     pub(in crate::collision) off: f64,
 }
 
+/// Returns a bound on the angle by which turns take a piece over a step, radians, given the change of each. With ω the
+/// direction of a turn times its change, it is the length of the sum of the ω, and half the sum of |ω × ω'| over pairs of
+/// turns. Creases of a stack, which turn by opposite angles about parallel lines, turn a piece hardly at all.
+pub(super) fn turned(turns: &[Turn], changes: &[Change]) -> f64 {
+    let Some(first) = turns.first() else {
+        return 0.0;
+    };
+    let mut whole = Vector3::zeros();
+    // Parts of the ω along the first line and across it.
+    let (mut along, mut across, mut off) = (0.0, 0.0, 0.0);
+    for (turn, change) in turns.iter().zip(changes) {
+        whole += turn.about * change.by;
+        along += (turn.about.dot(&first.about) * change.by).abs();
+        across += turn.about.cross(&first.about).norm() * change.by.abs();
+        off += change.off;
+    }
+    let one_by_one: f64 = changes.iter().map(|change| change.by.abs()).sum();
+    let together = whole.norm() + across * (along + across / 2.0) / 2.0;
+    one_by_one.min(together) + off
+}
+
 /// Bernstein coefficients of a polynomial of degree 2.
 pub(super) type Quadratic = [Vector3<f64>; 3];
 
@@ -99,6 +120,47 @@ impl Moving {
             error,
         }
     }
+}
+
+/// A piece that turns relative to another.
+pub(in crate::collision) struct Moved<'a> {
+    /// The turns, in order from the other piece.
+    turns: &'a [Turn],
+    corners: Vec<Moving>,
+}
+
+impl<'a> Moved<'a> {
+    pub(in crate::collision) fn new(corners: &[Vector3<f64>], turns: &'a [Turn]) -> Self {
+        Self {
+            turns,
+            corners: corners
+                .iter()
+                .map(|corner| Moving::new(corner, turns))
+                .collect(),
+        }
+    }
+
+    /// Returns a bound on how far any point of the piece comes from where it is while the groups make these changes.
+    pub(in crate::collision) fn farthest(&self, changes: &[Change]) -> f64 {
+        let changes = changes_of(self.turns, changes);
+        let corners = self.corners.iter().map(|corner| {
+            let Step { at, error } = corner.step(self.turns, &changes);
+            let away = at.map(|to| (to - corner.at).norm());
+            away.into_iter().fold(0.0, f64::max) + error
+        });
+        corners.fold(0.0, f64::max)
+    }
+
+    /// Returns a bound on the angle by which the piece turns while the groups make these changes, radians.
+    pub(in crate::collision) fn turned(&self, changes: &[Change]) -> f64 {
+        turned(self.turns, &changes_of(self.turns, changes))
+    }
+}
+
+/// Returns the change of each turn, given those of all groups.
+pub(super) fn changes_of(turns: &[Turn], changes: &[Change]) -> Vec<Change> {
+    let changes = turns.iter().map(|turn| changes[turn.group as usize]);
+    changes.collect()
 }
 
 /// The planes that separate a piece from another, over which the corners of the other one are followed.
@@ -260,9 +322,8 @@ impl Parted<'_> {
         if self.planes.is_empty() {
             return false;
         }
-        let changes = self.turns.iter().map(|turn| changes[turn.group as usize]);
-        let changes: Vec<_> = changes.collect();
-        let turned = changes.iter().map(|it| it.by.abs() + it.off).sum();
+        let changes = changes_of(self.turns, changes);
+        let turned = turned(self.turns, &changes);
         let is_over = |plane: &Plane, lowest: f64| lowest >= -plane.depth(allowed, turned);
         let (mut planes, corners) = (self.planes.iter(), &self.corners);
         if let ([turn], [change]) = (self.turns, &changes[..]) {
@@ -395,11 +456,26 @@ mod tests {
                 plane.lowest_followed(&corner.step(&turns, &changes)),
             ];
             sharper[usize::from(is_accordion)] += u32::from(bounds[1] > bounds[0]);
+            let moved = Moved::new(&[at], &turns);
+            let [farthest, turned] = [moved.farthest(&changes), moved.turned(&changes)];
+            let [by, off] = [|it: &Change| it.by.abs(), |it: &Change| it.off]
+                .map(|part| changes.iter().map(part).sum::<f64>());
+            assert!(turned <= by + off, "{case}: {turned} {by} {off}");
+            if is_accordion {
+                assert!(turned <= off + 1e-12, "{case}: {turned} {off}");
+            }
+            let arrow = Vector3::new(noise(), noise(), noise()).normalize();
             for sample in 0..=40 {
                 let part = f64::from(sample) / 40.0;
                 let angle = |change: &Change| part * change.by + noise() * change.off;
                 let angles: Vec<f64> = changes.iter().map(angle).collect();
-                let height = normal.dot(&(rotated(&turns, &angles, &at) - point));
+                let [to, tip] = [at, at + arrow].map(|at| rotated(&turns, &angles, &at));
+                let height = normal.dot(&(to - point));
+                assert!((to - at).norm() <= farthest + 1e-12, "{case}: {farthest}");
+                assert!(
+                    (tip - to - arrow).norm() <= turned + 1e-12,
+                    "{case}: {turned}"
+                );
                 let lowest = bounds[0].max(bounds[1]);
                 assert!(height >= lowest - 1e-12, "{case}: {height} {bounds:?}");
             }

@@ -9,7 +9,7 @@
 use nalgebra::Vector3;
 
 use super::crossing::{Allowed, ConvexPiece};
-use super::planes::{Change, Moving, Quadratic, Step, Turn};
+use super::planes::{Change, Moving, Quadratic, Step, Turn, changes_of, turned};
 use crate::collision::tolerances::MIN_LEAN;
 
 /// Returns the Bernstein coefficients of the product of two polynomials of degree 2.
@@ -103,10 +103,8 @@ impl<'a> SidePlanes<'a> {
         if self.planes.is_empty() {
             return false;
         }
-        let changes = self.turns.iter().map(|turn| changes[turn.group as usize]);
-        let changes: Vec<_> = changes.collect();
-        let turn = changes.iter().map(|change| change.by.abs() + change.off);
-        let turn = turn.sum();
+        let changes = changes_of(self.turns, changes);
+        let turn = turned(self.turns, &changes);
         let corners = self.moving.iter();
         let steps: Vec<_> = corners.map(|it| it.step(self.turns, &changes)).collect();
         self.planes

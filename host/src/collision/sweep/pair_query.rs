@@ -154,7 +154,7 @@ impl Sweep<'_> {
         let chain = self.approach.chain_within(&self.sheet, pair, room);
         self.approach.gather_corners(&mut self.sheet, &chain, nodes);
         let outcome = self.after(apart, room - 2.0 * chain.tear, counts);
-        self.at_contact(index, allowed, apart, outcome)
+        self.at_contact(index, allowed, [apart, room], outcome)
     }
 
     fn query_sectors(&mut self, index: u32, pair: &Pair, corners: [u32; 2]) -> QueryOutcome {
@@ -178,7 +178,7 @@ impl Sweep<'_> {
         let chain = self.approach.chain_within(&self.sheet, pair, room);
         self.approach.gather_turns(&chain);
         let outcome = self.after(angle, room - 2.0 * chain.turn, false);
-        self.at_contact(index, allowed, angle * reach, outcome)
+        self.at_contact(index, allowed, [angle * reach, room], outcome)
     }
 
     /// Returns the angle (radians) between the sectors of two placed pieces at their common vertex, and the distance from

@@ -133,7 +133,7 @@ impl Sweep<'_> {
             let by_depth = self.after(0.0, room - 2.0 * chain.tear, false);
             outcome = later(outcome, later(by_turn, by_depth));
         }
-        self.at_contact(index, allowed, 0.0, outcome)
+        self.at_contact(index, allowed, [0.0, room], outcome)
     }
 
     /// Returns the next query of two pieces whose tear has a bound, while the fold angle between them leaves them free.

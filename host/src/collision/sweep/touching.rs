@@ -1,11 +1,12 @@
 //! Pieces in contact: whether they cross, from which sides they came, and how long a plane keeps them apart.
 
+use super::chains::Chain;
 use super::motion::Tick;
 use super::queue::{Kind, Pair};
 use super::{QueryOutcome, Sweep};
 use crate::collision::narrow::crossing::Allowed;
 use crate::collision::narrow::layers::heights;
-use crate::collision::narrow::planes::{Change, Parted, Turn, parted, parted_by};
+use crate::collision::narrow::planes::{Change, Moved, Parted, Turn, parted, parted_by};
 use crate::collision::narrow::side_planes::SidePlanes;
 use crate::collision::tolerances::{
     KEPT_RATIO, MAX_TEAR_RATIO, PLANES_AFTER, SIDES_AFTER, TOUCHING_RATIO,
@@ -22,6 +23,27 @@ pub(super) enum Touch {
     Flat,
     /// They do not cross, and do not lie flat on each other.
     Nowhere,
+}
+
+/// The creases between the two pieces of a pair that turn in the current segment.
+struct Between {
+    /// In the order in which they turn the second piece, seen from the first, and in that in which they turn the first, seen
+    /// from the second.
+    turns: [Vec<Turn>; 2],
+    /// Their groups, without repetition.
+    groups: Vec<u32>,
+    chain: Chain,
+}
+
+impl Between {
+    /// Returns a bound on the error that tears along the chain make in the motion of the second piece, given a bound on the sum
+    /// of the tears. They displace the piece before and after the changes, and the lines about which it turns.
+    fn torn(&self, changes: &[Change], tear: f64) -> f64 {
+        let turns = self.turns[0].iter();
+        let turns = turns.map(|turn| changes[turn.group as usize]);
+        let turned: f64 = turns.map(|change| change.by.abs() + change.off).sum();
+        (2.0 + turned) * tear
+    }
 }
 
 impl Sweep<'_> {
@@ -144,12 +166,13 @@ impl Sweep<'_> {
     }
 
     /// Returns the next query of a pair that nearly touches or stands still: a later one, if a plane separates the pair for
-    /// longer.
+    /// longer, or the piece hardly moves. Its points may come nearer by `allowance`, units of the sheet or, for sectors,
+    /// radians.
     pub(super) fn at_contact(
         &mut self,
         index: u32,
         allowed: Allowed,
-        apart: f64,
+        [apart, allowance]: [f64; 2],
         outcome: QueryOutcome,
     ) -> QueryOutcome {
         let time = self.sheet.time;
@@ -163,7 +186,8 @@ impl Sweep<'_> {
         // Along a lattice, pieces may be elsewhere by the deviation, which no plane may use up.
         let (deviation, kept) = (self.deviation, KEPT_RATIO * apart);
         let touches = deviation <= 0.0 && apart <= TOUCHING_RATIO * allowed.largest();
-        let is_apart = kept > deviation && !matches!(pair.kind, Kind::Vertex(_));
+        let is_sector = matches!(pair.kind, Kind::Vertex(_));
+        let is_apart = kept > deviation && !is_sector;
         if until >= next || !(touches || is_apart && stalled >= PLANES_AFTER) {
             return outcome;
         }
@@ -174,10 +198,8 @@ impl Sweep<'_> {
             Allowed::apart(kept)
         };
         let above = self.queue[index].above;
-        let turns = self.turns_between(index, allowed);
-        let mut groups: Vec<u32> = turns[0].iter().map(|turn| turn.group).collect();
-        groups.sort_unstable();
-        groups.dedup();
+        let between = self.between(index, allowed);
+        let turns = &between.turns;
         let [a, b] = self.queue[index].nodes;
         let mut changes = core::mem::take(&mut self.changes);
         let both = [([a, b], &turns[0]), ([b, a], &turns[1])];
@@ -203,9 +225,21 @@ impl Sweep<'_> {
                 .map(|(([a, b], turns), above)| parted(&piece(*a), &piece(*b), turns, above, room))
                 .collect(),
         };
-        let mut reached = self.held(&groups, [until, next], &mut changes, |changes| {
+        let mut reached = self.held(&between.groups, [until, next], &mut changes, |changes| {
             planes.iter().any(|planes| planes.hold(changes, room))
         });
+        if reached < next && stalled >= SIDES_AFTER {
+            // Turns may undo each other, as those about two creases that lie on each other.
+            let moved = Moved::new(placed.hull(b), &turns[0]);
+            reached = self.held(&between.groups, [reached, next], &mut changes, |changes| {
+                let (by, tear) = if is_sector {
+                    (moved.turned(changes), between.chain.turn)
+                } else {
+                    (moved.farthest(changes), between.chain.tear)
+                };
+                by + between.torn(changes, tear) <= allowance
+            });
+        }
         // Layers are kept apart by their planes, in the order in which they lie.
         if reached < next
             && stalled >= SIDES_AFTER
@@ -216,13 +250,13 @@ impl Sweep<'_> {
                 let planes = planes.map(|(normal, point)| (normal, point, None));
                 parted_by(planes, moving.points, turns, room)
             });
-            reached = self.held(&groups, [reached, next], &mut changes, |changes| {
+            reached = self.held(&between.groups, [reached, next], &mut changes, |changes| {
                 planes.iter().any(|planes| planes.hold(changes, room))
             });
         } else if reached < next && above.is_none() && stalled >= SIDES_AFTER {
             let planes =
                 both.map(|([a, b], turns)| SidePlanes::of(&piece(a), &piece(b), turns, room));
-            reached = self.held(&groups, [reached, next], &mut changes, |changes| {
+            reached = self.held(&between.groups, [reached, next], &mut changes, |changes| {
                 planes.iter().any(|planes| planes.hold(changes, room))
             });
         }
@@ -251,9 +285,8 @@ impl Sweep<'_> {
         reached
     }
 
-    /// Returns the creases between the two pieces of a pair that turn in the current segment, in the order in which they
-    /// turn the second, seen from the first, and those that turn the first, seen from the second.
-    fn turns_between(&mut self, index: u32, allowed: Allowed) -> [Vec<Turn>; 2] {
+    /// Returns the creases between the two pieces of a pair that turn in the current segment.
+    fn between(&mut self, index: u32, allowed: Allowed) -> Between {
         let pair = &mut self.queue[index];
         let chain = self
             .approach
@@ -289,7 +322,14 @@ impl Sweep<'_> {
             ..*turn
         });
         let back = back.collect();
-        [turns, back]
+        let mut groups: Vec<u32> = turns.iter().map(|turn| turn.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        Between {
+            turns: [turns, back],
+            groups,
+            chain,
+        }
     }
 
     /// Returns the depth up to which an overlap of the two pieces of a pair is contact. If they share a vertex, they have
