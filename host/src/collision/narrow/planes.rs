@@ -14,6 +14,7 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 
 use super::crossing::{Allowed, ConvexPiece, Lean};
+use crate::util::nan_max::largest;
 
 /// A crease between the pieces, seen from the fixed one: its line, and the direction in which a positive group
 /// angle turns the part beyond.
@@ -140,15 +141,14 @@ impl<'a> Moved<'a> {
         }
     }
 
-    /// Returns a bound on how far any point of the piece comes from where it is while the groups make these changes.
+    /// Returns a bound on how far any point of the piece comes from where it is while the groups make these changes; no number
+    /// if the changes are none.
     pub(in crate::collision) fn farthest(&self, changes: &[Change]) -> f64 {
         let changes = changes_of(self.turns, changes);
-        let corners = self.corners.iter().map(|corner| {
+        largest(self.corners.iter().map(|corner| {
             let Step { at, error } = corner.step(self.turns, &changes);
-            let away = at.map(|to| (to - corner.at).norm());
-            away.into_iter().fold(0.0, f64::max) + error
-        });
-        corners.fold(0.0, f64::max)
+            largest(at.map(|to| (to - corner.at).norm())) + error
+        }))
     }
 
     /// Returns a bound on the angle by which the piece turns while the groups make these changes, radians.
@@ -464,6 +464,10 @@ mod tests {
             if is_accordion {
                 assert!(turned <= off + 1e-12, "{case}: {turned} {off}");
             }
+            // What is no number bounds nothing.
+            let mut unknown = changes.clone();
+            unknown[case % count].off = f64::NAN;
+            assert!(moved.farthest(&unknown).is_nan() && moved.turned(&unknown).is_nan());
             let arrow = Vector3::new(noise(), noise(), noise()).normalize();
             for sample in 0..=40 {
                 let part = f64::from(sample) / 40.0;
