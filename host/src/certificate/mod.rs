@@ -19,8 +19,9 @@ pub use sheet::SheetCertifier;
 
 /// Largest number of halvings of a segment: parts are no shorter than 2^-8 of it.
 const MAX_HALVINGS: u8 = 8;
-/// Ratio of a bound to the largest error seen in the segment above which a part is halved.
-const LOOSE_RATIO: f64 = 1.5;
+/// Ratio of a bound to the largest error seen in the segment above which a part is halved: bounds are larger than what
+/// they bound by no more than this.
+pub(crate) const LOOSE_RATIO: f64 = 1.5;
 /// A part of a segment: number `index` of the equal parts that `depth` halvings make.
 #[derive(Clone, Copy, Debug, Default)]
 struct Part {

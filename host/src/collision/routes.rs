@@ -13,6 +13,10 @@
 //! | [`SearchEffort::CHECK_FAILED`]: the path fails already | never | 200,000 | any |
 //! | [`SearchEffort::PICTURE`]: clearance of a motion | on sheets that are not torn | 1 million | 2,000 faces |
 //! | [`SearchEffort::PICTURE_SHAPE`]: clearance of a shape | like the motion | 200,000 | like the motion |
+//!
+//! Layers are in contact if they overlap by no more than a sheet is torn that closes so well. `check` bounds the closure
+//! of a file by itself, and may find a sharper bound than `plan` did. `plan` therefore counts less of its bound than it
+//! may be larger: what it finds free, `check` finds free.
 
 use core::cell::OnceCell;
 use std::sync::Arc;
@@ -23,6 +27,7 @@ use super::pieces::contact_tolerance;
 use super::solids::Plates;
 use super::sweep::{Sweep, SweepCounts, SweepOptions, SweepVerdict};
 use super::tolerances::CROSSING_DEPTH_EDGES;
+use crate::certificate::LOOSE_RATIO;
 use crate::lattice::Lattice;
 use crate::pattern::CreasePattern;
 use crate::util::progress::Watch;
@@ -47,6 +52,8 @@ pub(crate) struct SearchEffort {
     max_faces: usize,
     /// Number of queries of pairs after which the search ends undecided.
     max_queries: u64,
+    /// Fraction of the closure bound that counts as contact, see [`SweepOptions::closure_as_contact`].
+    closure_as_contact: f64,
 }
 
 impl SearchEffort {
@@ -55,6 +62,7 @@ impl SearchEffort {
         torn_lattice: true,
         max_faces: usize::MAX,
         max_queries: 10_000_000,
+        closure_as_contact: 1.0 / LOOSE_RATIO,
     };
     /// `plan` by a user who switches a skip off, to look at everything.
     pub(crate) const PLAN_ALL: Self = Self {
@@ -63,18 +71,20 @@ impl SearchEffort {
     };
     pub(crate) const CHECK: Self = Self {
         lattice_above_faces: 4000,
+        closure_as_contact: 1.0,
         ..Self::PLAN
     };
     pub(crate) const CHECK_FAILED: Self = Self {
         lattice_above_faces: usize::MAX,
         max_queries: 200_000,
-        ..Self::PLAN
+        ..Self::CHECK
     };
     pub(crate) const PICTURE: Self = Self {
         lattice_above_faces: 0,
         torn_lattice: false,
         max_faces: 2000,
         max_queries: 1_000_000,
+        ..Self::CHECK
     };
     pub(crate) const PICTURE_SHAPE: Self = Self {
         max_queries: 200_000,
@@ -216,6 +226,7 @@ impl<'a> SearchedSheet<'a> {
     pub(crate) fn options(&self, effort: &SearchEffort, closure: f64) -> SweepOptions {
         SweepOptions {
             closure,
+            closure_as_contact: effort.closure_as_contact,
             contact: self.contact,
             max_queries: effort.max_queries,
             ..SweepOptions::default()

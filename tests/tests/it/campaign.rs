@@ -352,6 +352,20 @@ fn what_rounding_leaves_of_a_square_is_no_crossing() {
     }
 }
 
+/// Stacks that close onto others about nearly one line, and overlap there by about as much as the sheet is torn. `plan`
+/// and `check` bound the tear each by itself; what `plan` finds free, `check` has to find free. Found by the campaign.
+#[test]
+fn check_confirms_layers_that_overlap_by_about_a_tear() {
+    for seed in [1_100_375, 1_100_906] {
+        let drawing = meshes::simple_folds(&mut Random::new(seed));
+        let options = PlanOptions::default().with(|it| it.seed = seed);
+        let planned = planned(drawing, &options);
+        assert_eq!(planned.plan.outcome, Outcome::Planned, "{seed}");
+        let verdict = check(&path_file(&planned.text()).unwrap(), &strict());
+        assert_eq!(verdict.findings(), [""; 0], "{seed}");
+    }
+}
+
 /// Squares whose lines bend by more than the closure error of their goal. They fold one line after the other only if
 /// the lines are taken as straight.
 #[test]

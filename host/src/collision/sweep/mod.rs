@@ -171,7 +171,8 @@ impl<'a> Sweep<'a> {
         let length = closure.map_or(0.0, |_| {
             2.0 * (pattern.tree().reach(pattern) + pieces.height())
         });
-        let loose = options.closure * length + options.left_out * pattern.median_edge();
+        let closes_within = options.closure_as_contact * options.closure;
+        let loose = closes_within * length + options.left_out * pattern.median_edge();
         Self {
             pattern,
             memberships,

@@ -22,6 +22,9 @@ pub struct SweepOptions {
     /// Upper bound of the closure residuals of all vertices and holes, all along the motion. It bounds how far the sheet
     /// is torn, and with it the motion of faces whose chain crosses a tear.
     pub closure: f64,
+    /// Fraction of `closure` up to which layers that lie across each other are in contact, as if the sheet were torn by as
+    /// much: 1 or less.
+    pub closure_as_contact: f64,
     /// Distance by which faces may be elsewhere than the lattice has them that is not looked at otherwise, median edges.
     pub left_out: f64,
     /// Largest distance of a face from its position by the lattice, as seen from any other face, in median edges, if
@@ -51,6 +54,7 @@ impl Default for SweepOptions {
         Self {
             contact: CROSSING_DEPTH_EDGES,
             closure: 0.0,
+            closure_as_contact: 1.0,
             left_out: 0.0,
             lattice_deviation: 0.0,
             lattice_turn: 0.0,
