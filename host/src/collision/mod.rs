@@ -26,6 +26,7 @@
 
 mod convex;
 mod hierarchy;
+mod layer_order;
 mod narrow;
 mod pairs;
 mod pieces;
@@ -37,6 +38,7 @@ mod solids;
 mod sweep;
 mod tolerances;
 
+pub use layer_order::faces_without_order;
 pub use narrow::crossing::{ConvexPiece, crossing_depth, side_crossing_depth};
 pub use narrow::separation::distance;
 pub(crate) use narrow::separation::face_distance;

@@ -7,10 +7,10 @@ use super::reason::{
     WorstClosure,
 };
 use crate::collision::{Crossing, Thickest, TooThick};
-use crate::pattern::EdgeId;
+use crate::pattern::{EdgeId, FaceId};
 
 /// Largest number of edges that a sentence names.
-const MAX_NAMED_EDGES: usize = 12;
+const MAX_NAMED: usize = 12;
 /// Largest distance of a goal from where it was asked, radians, with which it counts as not moved.
 const UNMOVED_RAD: f64 = 1e-12;
 
@@ -30,13 +30,26 @@ struct Edges<'a>(&'a [EdgeId]);
 
 impl Display for Edges<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let named = self.0.iter().take(MAX_NAMED_EDGES);
-        let named: Vec<String> = named.map(ToString::to_string).collect();
-        write!(f, "edges {}", named.join(", "))?;
-        match self.0.len().saturating_sub(MAX_NAMED_EDGES) {
-            0 => Ok(()),
-            more => write!(f, " and {more} more"),
-        }
+        name_some(f, "edges", self.0)
+    }
+}
+
+/// Faces by their numbers, no more than are read.
+struct Faces<'a>(&'a [FaceId]);
+
+impl Display for Faces<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        name_some(f, "faces", self.0)
+    }
+}
+
+fn name_some(f: &mut Formatter<'_>, what: &str, all: &[impl Display]) -> Result {
+    let named = all.iter().take(MAX_NAMED);
+    let named: Vec<String> = named.map(ToString::to_string).collect();
+    write!(f, "{what} {}", named.join(", "))?;
+    match all.len().saturating_sub(MAX_NAMED) {
+        0 => Ok(()),
+        more => write!(f, " and {more} more"),
     }
 }
 
@@ -398,6 +411,12 @@ impl Display for Note {
                 f,
                 "faces {a} and {b} meet as these hinges turn: {}; in another order they may pass",
                 Edges(edges)
+            ),
+            Self::NoLayerOrder(faces) => write!(
+                f,
+                "at the goal, which lies flat, {} pass through each other in whatever order they are stacked: with these \
+                 letters no order of folds leads there",
+                Faces(faces)
             ),
             Self::GoalItselfCrosses {
                 faces: [a, b],

@@ -335,6 +335,8 @@ pub enum Note {
         /// Edges of the hinges between them that turn.
         edges: Vec<EdgeId>,
     },
+    /// The goal lies flat, and these faces cannot be stacked there in any order that the letters allow.
+    NoLayerOrder(Vec<FaceId>),
     /// Faces are in each other at the goal, deeper than contact can be.
     GoalItselfCrosses {
         /// The two faces.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files in their order.
-const ORDER: [&str; 55] = [
+const ORDER: [&str; 56] = [
     "vectors",
     "goal",
     "knots",
@@ -33,6 +33,7 @@ const ORDER: [&str; 55] = [
     "foldability/certificate",
     "foldability/cause",
     "foldability/forecast",
+    "foldability/stacking",
     "placement/overshoot",
     "placement/reachability",
     "placement/timing",

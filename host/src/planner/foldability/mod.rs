@@ -6,3 +6,4 @@ pub(crate) mod flat_cone;
 pub(crate) mod forecast;
 mod locked_loop;
 mod products;
+pub(crate) mod stacking;

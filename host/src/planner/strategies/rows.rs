@@ -1,6 +1,7 @@
 //! A row of the table of strategies, and how rows are tried.
 
 use super::pipeline::follow;
+use crate::planner::foldability::stacking::unstackable;
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::select_route;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
@@ -132,7 +133,8 @@ impl Context<'_> {
         }
         let (plan, is_obstructed) = follow(problem, &route, FIRST_BOUND_FRACTION);
         attempts.push(Attempt::new(self.row.strategy, &plan, start));
-        if !is_obstructed || problem.goes_straight {
+        let is_hopeless = || !unstackable(problem, problem.pattern).is_empty();
+        if !is_obstructed || problem.goes_straight || is_hopeless() {
             return Some(plan);
         }
         Some(try_rows(StartsFrom::Answer, &on_route, plan, attempts))

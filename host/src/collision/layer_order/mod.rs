@@ -1,0 +1,105 @@
+//! Can the layers of a goal that lies flat be stacked at all?
+//!
+//! At a goal with all fold angles 0 or half a turn, all faces lie in one plane, and a crossing there shows nowhere but in
+//! their order. For two faces that overlap, one is above the other. What is known of this:
+//!
+//! - The letter of a crease tells which of its faces is above.
+//! - A face that covers a part of a crease is not between the two faces of the crease. It is on the same side of both.
+//! - Of two folded creases on one line, with their faces on the same side, neither pair has just one face of the other
+//!   pair between its two. Two flat creases on one line have the same order on both sides. Of two faces at a folded crease
+//!   a flat crease on its line passes above both or below both.
+//! - Three faces with a point in common lie in an order there: they are not each above the next round a circle.
+//!
+//! If no order has all these properties, then no motion leads to the goal, whatever the order of the folds. If one has, a
+//! motion need not exist. An overlap counts only if it is deeper than contact and rounding can make it, and only faces
+//! that are convex count, as others can be above each other at one place and below at another.
+//!
+//! Source of the conditions: J. Justin, "Towards a mathematical theory of origami", 1997. Their names in H. Akitaya et al.,
+//! "Box pleating is hard", 2015: taco-tortilla, taco-taco, tortilla-tortilla and transitivity.
+
+mod geometry;
+mod search;
+
+use crate::folding::FoldingMap;
+use crate::pattern::{CreasePattern, FaceId};
+use geometry::Stack;
+use search::{Rule, Search};
+
+/// Largest number of faces that are looked at: all pairs are compared.
+const MAX_FACES: usize = 1000;
+/// Largest number of rules, and of assignments in a search, after which nothing is known.
+const MAX_RULES: usize = 500_000;
+const MAX_STEPS: usize = 500_000;
+/// Largest number of assignments in the search for few faces that cannot be stacked.
+const MAX_REDUCTION_STEPS: usize = 2_000_000;
+/// Ratio of the distance up to which points may lie otherwise than they are placed to contact and tears.
+const MARGIN_RATIO: f64 = 4.0;
+/// Largest difference of a fold angle from 0 or half a turn at a goal that lies flat, radians.
+const FLAT_RAD: f64 = 1e-9;
+
+/// Returns faces of which no order is possible at these fold angles of the creases (radians), at which the sheet lies flat
+/// and closes; empty if an order is, or if it is not known. None of them can be left out, unless to find that takes too
+/// long. `contact` is the depth up to which an overlap is contact, median edges.
+///
+/// Cost: the square of the number of faces, and the number of triples that overlap; at most about a second.
+#[must_use]
+pub fn faces_without_order(
+    pattern: &CreasePattern,
+    fold_angles: &[f64],
+    contact: f64,
+) -> Vec<FaceId> {
+    let is_small = pattern.faces().len() <= MAX_FACES && pattern.sheets() == 1;
+    if !is_small || !fold_angles.iter().copied().all(lies_flat) {
+        return Vec::new();
+    }
+    let map = FoldingMap::new(pattern, pattern.tree(), fold_angles);
+    let torn = map.rigidity(pattern, pattern.tree()).gap + map.parting(pattern, pattern.tree());
+    let margin = MARGIN_RATIO * (contact + torn) * pattern.median_edge();
+    let stack = Stack::new(pattern, &map, fold_angles, margin);
+    let Some(rules) = stack.rules(MAX_RULES) else {
+        return Vec::new();
+    };
+    let is_refuted = |rules: &[Rule], steps: &mut usize| {
+        Search::new(stack.pairs(), rules).has_solution(steps) == Some(false)
+    };
+    if !is_refuted(&rules, &mut MAX_STEPS.clone()) {
+        return Vec::new();
+    }
+    let faces: Vec<usize> = (0..pattern.faces().len()).collect();
+    let mut steps = MAX_REDUCTION_STEPS;
+    let few = reduced(faces, |faces| {
+        let among = |face: usize| faces.binary_search(&face).is_ok();
+        let kept = rules.iter().filter(|rule| {
+            let mut pairs = rule.pairs().iter();
+            pairs.all(|&pair| stack.faces_of(pair).into_iter().all(among))
+        });
+        let kept: Vec<Rule> = kept.copied().collect();
+        is_refuted(&kept, &mut steps)
+    });
+    few.into_iter().map(FaceId::new).collect()
+}
+
+/// Returns `true` if a fold angle is 0 or half a turn.
+fn lies_flat(angle: f64) -> bool {
+    let turn = angle.abs();
+    turn.min((turn - core::f64::consts::PI).abs()) <= FLAT_RAD
+}
+
+/// Leaves out what is not needed for a property that all have together: first halves, then ever smaller parts.
+fn reduced(mut all: Vec<usize>, mut has: impl FnMut(&[usize]) -> bool) -> Vec<usize> {
+    let mut size = all.len() / 2;
+    while size > 0 {
+        let mut at = 0;
+        while at < all.len() {
+            let mut fewer = all.clone();
+            fewer.drain(at..(at + size).min(all.len()));
+            if has(&fewer) {
+                all = fewer;
+            } else {
+                at += size;
+            }
+        }
+        size /= 2;
+    }
+    all
+}
