@@ -16,9 +16,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use foldpath::check::check;
+use foldpath::collision::faces_without_order;
 use foldpath::export::fold::motion_text;
 use foldpath::motion::{GroupNaming, Motion};
-use foldpath::pattern::{CreasePattern, Drawing};
+use foldpath::pattern::{CreasePattern, Drawing, FaceId};
 use foldpath::planner::{Goal, Outcome, Plan, PlanOptions, plan};
 use foldpath_core::Interpolation;
 
@@ -320,6 +321,15 @@ impl Tally {
     }
 }
 
+/// Returns faces that cannot be stacked at the goal that the pattern names.
+fn without_order(pattern: &CreasePattern) -> Vec<FaceId> {
+    let creases = pattern.creases().iter();
+    let goal: Option<Vec<f64>> = creases.map(|&crease| pattern.edge(crease).goal).collect();
+    goal.map_or_else(Vec::new, |goal| {
+        faces_without_order(pattern, &goal, CONTACT)
+    })
+}
+
 /// Returns the motion of a sheet of which no configuration is known.
 fn without_knots(pattern: &CreasePattern) -> Motion {
     Motion {
@@ -338,7 +348,8 @@ fn without_knots(pattern: &CreasePattern) -> Motion {
     }
 }
 
-/// Returns `true` if the plan does not reach its goal and the goal crosses, and the oracle's verdict on the path.
+/// Returns `true` if the plan does not reach its goal and the goal crosses or its faces cannot be stacked, and the oracle's
+/// verdict on the path.
 fn judge(
     drawing: &Drawing,
     pattern: &CreasePattern,
@@ -388,7 +399,13 @@ fn judge(
             found.push("planned, but no knots".into());
         }
     }
-    (!planned && crosses(&path.sheet, &goal, contact), verdict)
+    let unordered = without_order(pattern);
+    if planned && !unordered.is_empty() {
+        let difference = format!("planned, but {unordered:?} cannot be stacked at the goal");
+        verdict.disagreements.push(difference);
+    }
+    let no_way = !unordered.is_empty() || crosses(&path.sheet, &goal, contact);
+    (!planned && no_way, verdict)
 }
 
 /// Returns what `check` finds on a path with this bound.

@@ -377,6 +377,11 @@ fn notes_are_sentences() {
             "faces 3 and 8 meet as these hinges turn: edges 0, 1; in another order they may pass",
         ),
         (
+            Note::NoLayerOrder((0..14).map(FaceId).collect()),
+            "at the goal, which lies flat, faces 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more pass through each other in \
+             whatever order they are stacked: with these letters no order of folds leads there",
+        ),
+        (
             Note::GoalItselfCrosses {
                 faces: FACES,
                 depth: 0.42,

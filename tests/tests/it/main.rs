@@ -25,6 +25,7 @@ mod fold_spec;
 mod folded_by_hand;
 mod goals;
 mod image;
+mod layer_order;
 mod loads;
 mod meshes;
 mod networks;

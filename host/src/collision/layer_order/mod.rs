@@ -28,10 +28,10 @@ use search::{Rule, Search};
 /// Largest number of faces that are looked at: all pairs are compared.
 const MAX_FACES: usize = 1000;
 /// Largest number of rules, and of assignments in a search, after which nothing is known.
-const MAX_RULES: usize = 500_000;
-const MAX_STEPS: usize = 500_000;
+const MAX_RULES: usize = 1_000_000;
+const MAX_STEPS: usize = 5_000_000;
 /// Largest number of assignments in the search for few faces that cannot be stacked.
-const MAX_REDUCTION_STEPS: usize = 2_000_000;
+const MAX_REDUCTION_STEPS: usize = 20_000_000;
 /// Ratio of the distance up to which points may lie otherwise than they are placed to contact and tears.
 const MARGIN_RATIO: f64 = 4.0;
 /// Largest difference of a fold angle from 0 or half a turn at a goal that lies flat, radians.
