@@ -201,8 +201,8 @@ fn a_strip_has_an_order_if_one_of_all_is_free() {
     assert!(tally.iter().all(|&count| count > 50), "{tally:?}");
 }
 
-/// All letters of maps of 2 by 2 and 2 by 3 cells: those are refused for which no order is free. As many orders are free as
-/// there are ways to fold these maps: 8 and 60 (OEIS A001415).
+/// All letters of maps of 2 by 2 and 2 by 3 cells: those are refused for which no order is free. The number
+/// of free orders is that of the ways to fold these maps: 8 and 60 (OEIS A001415).
 #[test]
 fn a_map_has_an_order_if_one_of_all_is_free() {
     for (columns, ways) in [(2, 8), (3, 60)] {

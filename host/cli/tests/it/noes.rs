@@ -132,11 +132,38 @@ fn a_path_that_ends_at_a_crossing_is_kept_up_to_there() {
             // Contact as deep as it may be is left, by a thousandth of a radian at most.
             assert!((angle - 180.0 * reached).abs() < 0.06, "{angle} {reached}");
         }
-        assert!(hints.iter().any(|hint| hint == "--via FILE"), "{hints:?}");
+        // No order of the folds helps, and none is suggested.
+        let notes = answer["notes"].as_array().unwrap();
+        let mut notes = notes.iter().filter_map(Value::as_str);
+        let no_order = "at the goal, which lies flat, faces 0, 1, 2 pass through each other";
+        assert!(notes.any(|note| note.starts_with(no_order)), "{answer}");
+        assert!(!hints.iter().any(|hint| hint == "--via FILE"), "{hints:?}");
         let fold = hints.iter().find(|hint| hint.starts_with("--fold"));
         let (less, _) = planned(&folder, fold.expect("a fraction"));
         assert_eq!(less["outcome"], "planned", "{less}");
     }
+}
+
+/// The flaps of the gate before, one of them with a notch: nothing is known of the order in which it is stacked, and another
+/// order of the folds is suggested.
+#[test]
+fn where_another_order_may_help_it_is_suggested() {
+    let folder = folder();
+    let mut sheet = strip(&[1.2, 1.0, 1.2], &[("V", None), ("V", None)]);
+    let mut push = |list: &str, value: Value| {
+        let list = sheet[list].as_array_mut().unwrap();
+        list.push(value);
+        list.len() - 1
+    };
+    let notch = push("vertices_coords", json!([0.3, 0.5]));
+    push("edges_vertices", json!([0, notch]));
+    push("edges_assignment", json!("B"));
+    push("edges_foldAngle", Value::Null);
+    sheet["edges_vertices"][0] = json!([notch, 4]);
+    folder.write("sheet.fold", &sheet.to_string());
+    let (answer, hints) = no(&folder, "").expect("a crossing");
+    assert_eq!(answer["outcome"], "crossing");
+    assert!(hints.iter().any(|hint| hint == "--via FILE"), "{hints:?}");
 }
 
 /// A limit that stops a hinge is named, with the angle, and the path is kept up to it.

@@ -1,4 +1,4 @@
-//! What the places of the faces in the plane say of their order.
+//! Finds the rules that the order of the faces has to keep, from where each face lies in the plane.
 
 use core::f64::consts::FRAC_PI_2;
 

@@ -1,17 +1,20 @@
 //! Can the layers of a goal that lies flat be stacked at all?
 //!
 //! At a goal with all fold angles 0 or half a turn, all faces lie in one plane, and a crossing there shows nowhere but in
-//! their order. For two faces that overlap, one is above the other. What is known of this:
+//! their order: of two faces that overlap, one is above the other. These rules hold:
 //!
 //! - The letter of a crease tells which of its faces is above.
-//! - A face that covers a part of a crease is not between the two faces of the crease. It is on the same side of both.
-//! - Of two folded creases on one line, with their faces on the same side, neither pair has just one face of the other
-//!   pair between its two. Two flat creases on one line have the same order on both sides. Of two faces at a folded crease
-//!   a flat crease on its line passes above both or below both.
-//! - Three faces with a point in common lie in an order there: they are not each above the next round a circle.
+//! - A face that covers a part of a crease is not between the two faces of the crease: it is above both or below both.
+//! - Two folded creases lie on one line, with their faces on the same side. Then the faces of the first are both between
+//!   those of the second, or neither is.
+//! - Two flat creases lie on one line. Then the faces of one are above those of the other on both sides.
+//! - A flat crease lies on the line of a folded one. Then its face on that side is above both faces of the folded crease, or
+//!   below both.
+//! - Three faces share a point. Then they lie in an order there: if the first is above the second and the second above the
+//!   third, the first is above the third.
 //!
-//! If no order has all these properties, then no motion leads to the goal, whatever the order of the folds. If one has, a
-//! motion need not exist. An overlap counts only if it is deeper than contact and rounding can make it, and only faces
+//! If no order keeps all rules, then no motion leads to the goal, whatever the order of the folds. If one does, a motion
+//! need not exist. An overlap counts only if it is deeper than contact and rounding can make it, and only faces
 //! that are convex count, as others can be above each other at one place and below at another.
 //!
 //! Source of the conditions: J. Justin, "Towards a mathematical theory of origami", 1997. Their names in H. Akitaya et al.,

@@ -1,4 +1,5 @@
-//! Searches for an order that keeps all rules: assigns what follows, and tries both answers where nothing follows.
+//! Searches for an order that keeps all rules. Of each pair of faces it asks whether the first is above the second; where the
+//! answer does not follow from others, both are tried.
 
 /// A statement on a pair of faces: the first is above the second, or the other way round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,7 +8,7 @@ pub(super) struct Literal {
     pub(super) is_reversed: bool,
 }
 
-/// What statements say together.
+/// A condition on the answers to up to four questions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rule {
     pairs: [usize; 4],
@@ -144,25 +145,22 @@ impl<'a> Search<'a> {
     /// Returns `true` if answers keep all rules. Takes what it looks at from `steps`, and returns `None` once they are used
     /// up.
     pub(super) fn has_solution(mut self, steps: &mut usize) -> Option<bool> {
-        let all = 0..self.rules.len();
-        for rule in all {
+        for rule in 0..self.rules.len() {
             if !self.keeps(rule, steps)? {
                 return Some(false);
             }
         }
-        // What does not hang together is searched by itself.
+        // Pairs that no rule connects are searched one after the other.
         for pair in 0..self.answers.len() {
             let part = self.part(pair);
-            let known = self.trail.len();
-            if !part.is_empty() && !self.search(&part, steps)? {
+            if !self.search(&part, steps)? {
                 return Some(false);
             }
-            debug_assert!(self.trail.len() >= known);
         }
         Some(true)
     }
 
-    /// Returns the open pairs that hang together with this one by rules.
+    /// Returns the pairs without an answer that rules connect with this one, itself included; none if it has an answer.
     fn part(&self, pair: usize) -> Vec<usize> {
         if self.answers[pair].is_some() {
             return Vec::new();
