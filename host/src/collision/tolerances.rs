@@ -112,6 +112,9 @@ pub(super) const SIDES_AFTER: u32 = 8;
 pub(super) const PLANES_AFTER: u32 = 64;
 /// Number of short steps of a pair in a row after which later times are looked at for a crossing, and again after as many.
 pub(super) const LOOK_AHEAD_AFTER: u32 = 1 << 10;
+/// Number of short steps of a pair in a row after which it is not known whether the pair crosses: pairs that get on do so
+/// within a tenth as many.
+pub(super) const MAX_SHORT_STEPS: u32 = 1 << 14;
 /// Number of queries between two readings of the clock.
 pub(super) const QUERIES_PER_CLOCK: u64 = 256;
 /// Number of evaluations of the motion bound after which the search for the last safe time stops.

@@ -322,7 +322,7 @@ impl Display for Note {
                 )
             }
             Self::Straightened(how) => {
-                write!(f, "{how}, as the sheet does not fold as it is drawn")
+                write!(f, "{how}, as the sheet was not planned as it is drawn")
             }
             Self::NotStraightened(how) => {
                 write!(f, "time ran out before the sheet was planned {how}")

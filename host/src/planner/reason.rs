@@ -270,7 +270,7 @@ pub enum Note {
     /// The driven creases leave other creases a choice: this number of other closed configurations was found in which the
     /// driven creases have their angles.
     OtherCompletions(usize),
-    /// The sheet does not fold as it is drawn; the path is that of the straightened one.
+    /// The sheet was not planned as it is drawn; the path is that of the straightened one.
     Straightened(Straightened),
     /// Time ran out before the straightened sheet was planned.
     NotStraightened(Straightened),

@@ -291,7 +291,7 @@ named! {
         "none": Self::None, "None";
     }
     Straighten {
-        "auto": Self::Auto, "If the sheet does not fold as it is drawn";
+        "auto": Self::Auto, "If the sheet is not planned as it is drawn";
         "on": Self::On, "Always";
         "off": Self::Off, "Never";
     }

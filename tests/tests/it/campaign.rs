@@ -366,6 +366,17 @@ fn check_confirms_layers_that_overlap_by_about_a_tear() {
     }
 }
 
+/// Sectors of a fan whose rays lie on each other but for about the depth of contact: whether they pass into each other
+/// cannot be told, and the search has to see that. Found by the campaign.
+#[test]
+fn pairs_that_stand_still_are_given_up() {
+    let drawing = meshes::fan(&mut Random::new(1_100_032));
+    let plan = planned(drawing, &PlanOptions::default()).plan;
+    let open = [Outcome::Planned, Outcome::Undecided];
+    assert!(open.contains(&plan.outcome), "{plan:?}");
+    assert!(plan.crossings.counts.tested < 1_000_000, "{plan:?}");
+}
+
 /// Squares whose lines bend by more than the closure error of their goal. They fold one line after the other only if
 /// the lines are taken as straight.
 #[test]

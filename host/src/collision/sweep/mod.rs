@@ -323,7 +323,10 @@ impl<'a> Sweep<'a> {
             match outcome {
                 QueryOutcome::Free | QueryOutcome::Apart(..) => {}
                 QueryOutcome::Until(later) => {
-                    let later = self.past_stall(index, later);
+                    let Some(later) = self.past_stall(index, later) else {
+                        end(self.undecided(index));
+                        continue;
+                    };
                     let pair = &mut self.queue[index];
                     pair.last = Some(time);
                     if later < pair.end || pair.stall.crosses.is_some() {

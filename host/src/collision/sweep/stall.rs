@@ -6,7 +6,7 @@ use super::queue::{Kind, Pair};
 use super::touching::Touch;
 use super::{Sweep, SweepVerdict};
 use crate::collision::Crossing;
-use crate::collision::tolerances::{LAST_FREE_TICKS, LOOK_AHEAD_AFTER};
+use crate::collision::tolerances::{LAST_FREE_TICKS, LOOK_AHEAD_AFTER, MAX_SHORT_STEPS};
 
 /// A run of short steps of a pair: of steps that ended before the next tabulated time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,8 +19,9 @@ pub(super) struct Stall {
 
 impl Sweep<'_> {
     /// Returns the time at which to query a pair next that is free until `later`: that time or, if the pair stands still
-    /// and crosses later on, the time at which it was found to cross.
-    pub(super) fn past_stall(&mut self, index: u32, later: Tick) -> Tick {
+    /// and crosses later on, the time at which it was found to cross. Returns `None` if the pair stands still for so long
+    /// that it is given up.
+    pub(super) fn past_stall(&mut self, index: u32, later: Tick) -> Option<Tick> {
         let time = self.sheet.time;
         let next = self.sheet.motion.next_tabulated(time);
         let pair = &mut self.queue[index];
@@ -28,16 +29,17 @@ impl Sweep<'_> {
         let is_followed = matches!(pair.kind, Kind::Pieces | Kind::Meeting | Kind::Vertex(_));
         if later >= next || !is_followed {
             pair.stall.count /= 2;
-            return later;
+            return Some(later);
         }
         pair.stall.count += 1;
         if !pair.stall.count.is_multiple_of(LOOK_AHEAD_AFTER) {
-            return later;
+            return Some(later);
         }
         let crosses = self.look_ahead(index);
         self.sheet.time = time;
-        self.queue[index].stall.crosses = crosses;
-        crosses.unwrap_or(later)
+        let stall = &mut self.queue[index].stall;
+        stall.crosses = crosses;
+        crosses.or_else(|| (stall.count < MAX_SHORT_STEPS).then_some(later))
     }
 
     /// Looks at a pair at the tabulated times from now on, and returns the first at which it crosses.

@@ -187,11 +187,15 @@ static STRATEGIES: [Row; 19] = [
         strategy: Strategy::Straightened,
         is_tried: |context| {
             let may_be = context.problem.pattern.straightens_within().is_some();
-            may_be && context.is_unplanned() && !context.problem.is_late()
+            let is_open = context.is_unplanned() || !context.best.undecided.is_empty();
+            may_be && is_open && !context.problem.is_late()
         },
         run: plan_straightened,
-        // If even the straightened sheet deforms, the drawing is not the reason why the sheet does not reach its goal.
         is_better: |new, best| {
+            if !is_no(best.outcome) {
+                return new.outcome == Outcome::Planned && new.undecided.is_empty();
+            }
+            // If even the straightened sheet deforms, the drawing is not the reason why the sheet does not reach its goal.
             leads_farther(new, best) || new.outcome == Outcome::NotRigidlyFoldable
         },
         ..BASE
