@@ -367,6 +367,12 @@ impl Plan {
         self.motion.as_ref().map_or(&[], |motion| &motion.knots)
     }
 
+    /// Returns `true` if it is proved that the faces cannot be stacked at the goal.
+    pub(super) fn has_no_layer_order(&self) -> bool {
+        let mut notes = self.notes.iter();
+        notes.any(|note| matches!(note, Note::NoLayerOrder(_)))
+    }
+
     /// Returns the bound on deformation and gap of the whole sheet over the whole motion, infinite if nothing is known;
     /// `None` if nothing was to be certified.
     #[must_use]

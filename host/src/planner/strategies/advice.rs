@@ -12,7 +12,6 @@ use crate::motion::Motion;
 use crate::pattern::{CreasePattern, EdgeId};
 use crate::planner::GoalKind;
 use crate::planner::foldability::certificate::{Locks, cannot_leave};
-use crate::planner::foldability::stacking::unstackable;
 use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{FirstSteps, Note, ProofOrder, Reason};
@@ -88,7 +87,6 @@ pub(crate) fn what_may_help(asked: &PlanningProblem<'_>, plan: &Plan) -> Vec<Not
     };
     let crossing = match plan.outcome {
         Outcome::Crossing(crossing) => note_crossing(asked, plan, motion, crossing),
-        Outcome::Partial => note_no_layer_order(asked, &motion.pattern),
         _ => None,
     };
     let is_short = matches!(
@@ -99,7 +97,7 @@ pub(crate) fn what_may_help(asked: &PlanningProblem<'_>, plan: &Plan) -> Vec<Not
     crossing.into_iter().chain(part).collect()
 }
 
-/// Returns a note on faces that cross: at the goal, in whatever order they are stacked there, or because hinges turn together.
+/// Returns a note on faces that cross: at the goal, or because hinges turn together.
 fn note_crossing(
     asked: &PlanningProblem<'_>,
     plan: &Plan,
@@ -119,9 +117,8 @@ fn note_crossing(
             return Some(Note::GoalItselfCrosses { faces, depth });
         }
     }
-    let no_order = note_no_layer_order(asked, pattern);
-    if no_order.is_some() || !splits_phases(asked, plan) {
-        return no_order;
+    if plan.has_no_layer_order() || !splits_phases(asked, plan) {
+        return None;
     }
     let goal = &asked.goal.fold_angles;
     let between = between(pattern, crossing.faces);
@@ -134,12 +131,6 @@ fn note_crossing(
         faces: crossing.faces,
         edges,
     })
-}
-
-/// Returns a note on faces that cannot be stacked at the goal.
-fn note_no_layer_order(asked: &PlanningProblem<'_>, pattern: &CreasePattern) -> Option<Note> {
-    let faces = unstackable(asked, pattern);
-    (!faces.is_empty()).then_some(Note::NoLayerOrder(faces))
 }
 
 /// Returns the deepest crossing of the goal, if every crease has a goal angle and the goal closes.

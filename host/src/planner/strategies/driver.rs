@@ -17,7 +17,6 @@ use super::way_round::lead_round_crossings;
 use crate::collision::{Crossing, Plates, contact_tolerance};
 use crate::motion::PlanAnswer;
 use crate::pattern::CreasePattern;
-use crate::planner::foldability::stacking::unstackable;
 use crate::planner::following::reduction::{CLOSED, EXPECTED_AMPLIFICATION};
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::FARTHER_RATIO;
@@ -253,7 +252,7 @@ const fn other_seed(seed: u64) -> Row {
         is_tried: |context| {
             let is_new = context.row.seed != Some(context.problem.options.seed);
             let may_help = is_new && context.best.effort.is_random && context.is_unplanned();
-            may_help && !crosses_at_goal_asked(context) && is_stackable(context)
+            may_help && !crosses_at_goal_asked(context) && !context.best.has_no_layer_order()
         },
         is_better: leads_farther_uncrossed,
         ..BASE
@@ -265,11 +264,6 @@ fn crosses_at_goal_asked(context: &Context<'_>) -> bool {
     let (pattern, goal) = (context.problem.pattern, &context.problem.goal.fold_angles);
     matches!(context.best.reason, Some(Reason::GoalCrosses { .. }))
         && closure_of(pattern, goal).is_some_and(|off| off <= CLOSED)
-}
-
-/// Returns `false` if no order of folds leads to the goal, as the faces there cannot be stacked.
-fn is_stackable(context: &Context<'_>) -> bool {
-    unstackable(context.problem, context.problem.pattern).is_empty()
 }
 
 /// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,

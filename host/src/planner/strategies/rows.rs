@@ -131,10 +131,14 @@ impl Context<'_> {
             attempts.push(Attempt::new(strategy, &plan, start));
             return Some(plan);
         }
-        let (plan, is_obstructed) = follow(problem, &route, FIRST_BOUND_FRACTION);
+        let (mut plan, is_obstructed) = follow(problem, &route, FIRST_BOUND_FRACTION);
         attempts.push(Attempt::new(self.row.strategy, &plan, start));
-        let is_hopeless = || !unstackable(problem, problem.pattern).is_empty();
-        if !is_obstructed || problem.goes_straight || is_hopeless() {
+        if !is_obstructed || problem.goes_straight {
+            return Some(plan);
+        }
+        let faces = unstackable(problem);
+        if !faces.is_empty() {
+            plan.notes.push(Note::NoLayerOrder(faces));
             return Some(plan);
         }
         Some(try_rows(StartsFrom::Answer, &on_route, plan, attempts))
