@@ -1,6 +1,6 @@
 //! Does a goal that lies flat have an order of its layers? Compared with all orders of strips and maps, one by one.
 
-use std::f64::consts::PI;
+use core::f64::consts::PI;
 
 use foldpath::collision::faces_without_order;
 use foldpath::pattern::{CreasePattern, Drawing, DrawnEdge, FaceId, Letter};
@@ -175,13 +175,13 @@ fn a_strip_has_an_order_if_one_of_all_is_free() {
     for seed in 0..600 {
         let random = &mut Random::new(seed);
         let count = random.whole(3, 8);
-        let widths: Vec<i32> = (0..count).map(|_| 1 + random.below(3) as i32).collect();
+        let widths: Vec<i32> = (0..count).map(|_| [1, 2, 3][random.below(3)]).collect();
         let letters: Vec<i32> = (1..count)
             .map(|_| {
                 if random.chance(0.15) {
                     0
                 } else {
-                    random.sign() as i32
+                    [-1, 1][random.below(2)]
                 }
             })
             .collect();
@@ -228,7 +228,7 @@ fn a_map_has_an_order_if_one_of_all_is_free() {
                         layers.folds.push(Fold {
                             layers: [2 * x + y, 2 * to[0] + to[1]],
                             axis,
-                            at: i32::from(place % 2 == 0),
+                            at: i32::from(place.is_multiple_of(2)),
                             opens_up: place % 2 == 1,
                             is_valley: letter([x, y], axis) > 0,
                         });
