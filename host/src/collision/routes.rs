@@ -14,9 +14,9 @@
 //! | [`SearchEffort::PICTURE`]: clearance of a motion | on sheets that are not torn | 1 million | 2,000 faces |
 //! | [`SearchEffort::PICTURE_SHAPE`]: clearance of a shape | like the motion | 200,000 | like the motion |
 //!
-//! Layers are in contact if they overlap by no more than a sheet is torn that closes so well. `check` bounds the closure
-//! of a file by itself, and may find a sharper bound than `plan` did. `plan` therefore counts less of its bound than it
-//! may be larger: what it finds free, `check` finds free.
+//! On a sheet that does not quite close, layers may overlap by what the closure bound explains. `check` bounds the closure
+//! of a file by itself, and may find a smaller bound than `plan` did, but not by more than a known factor. `plan` divides
+//! its bound by that factor, so that what it finds free, `check` finds free, too.
 
 use core::cell::OnceCell;
 use std::sync::Arc;
