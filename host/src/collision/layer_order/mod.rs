@@ -59,7 +59,7 @@ pub fn faces_without_order(
     let torn = map.rigidity(pattern, pattern.tree()).gap + map.parting(pattern, pattern.tree());
     let margin = MARGIN_RATIO * (contact + torn) * pattern.median_edge();
     let stack = Stack::new(pattern, &map, fold_angles, margin);
-    let Some(rules) = stack.rules(MAX_RULES) else {
+    let Some(mut rules) = stack.rules(MAX_RULES) else {
         return Vec::new();
     };
     let is_refuted = |rules: &[Rule], steps: &mut usize| {
@@ -77,7 +77,11 @@ pub fn faces_without_order(
             pairs.all(|&pair| stack.faces_of(pair).into_iter().all(among))
         });
         let kept: Vec<Rule> = kept.copied().collect();
-        is_refuted(&kept, &mut steps)
+        let is_enough = is_refuted(&kept, &mut steps);
+        if is_enough {
+            rules = kept;
+        }
+        is_enough
     });
     few.into_iter().map(FaceId::new).collect()
 }

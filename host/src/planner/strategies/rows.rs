@@ -1,7 +1,7 @@
 //! A row of the table of strategies, and how rows are tried.
 
 use super::pipeline::follow;
-use crate::planner::foldability::stacking::unstackable;
+use crate::planner::foldability::stacking::note_no_layer_order;
 use crate::planner::following::route::Route;
 use crate::planner::following::route_selection::select_route;
 use crate::planner::lifting::swept_motion::FIRST_BOUND_FRACTION;
@@ -132,13 +132,12 @@ impl Context<'_> {
             return Some(plan);
         }
         let (mut plan, is_obstructed) = follow(problem, &route, FIRST_BOUND_FRACTION);
-        attempts.push(Attempt::new(self.row.strategy, &plan, start));
-        if !is_obstructed || problem.goes_straight {
-            return Some(plan);
+        let goes_on = is_obstructed && !problem.goes_straight;
+        if goes_on {
+            plan.notes.extend(note_no_layer_order(problem));
         }
-        let faces = unstackable(problem);
-        if !faces.is_empty() {
-            plan.notes.push(Note::NoLayerOrder(faces));
+        attempts.push(Attempt::new(self.row.strategy, &plan, start));
+        if !goes_on || plan.has_no_layer_order() {
             return Some(plan);
         }
         Some(try_rows(StartsFrom::Answer, &on_route, plan, attempts))
