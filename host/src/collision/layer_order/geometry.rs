@@ -7,12 +7,22 @@ use nalgebra::Vector2;
 use super::search::{Literal, Rule};
 use crate::collision::convex::is_convex;
 use crate::folding::FoldingMap;
-use crate::pattern::{CreasePattern, Edge};
+use crate::pattern::{CreasePattern, Edge, EdgeId, FaceId, VertexId};
 
-/// The faces of a sheet that lies flat.
-pub(super) struct Stack {
+/// A sheet that lies flat.
+pub(super) struct FlatSheet<'a> {
+    pattern: &'a CreasePattern,
+    map: FoldingMap,
+    fold_angles: &'a [f64],
     margin: f64,
-    faces: Vec<Layer>,
+    layers: Vec<Layer>,
+}
+
+/// Faces of the sheet, numbered from 0, and the edges between them.
+pub(super) struct Stack<'a> {
+    margin: f64,
+    numbers: Vec<FaceId>,
+    layers: Vec<&'a Layer>,
     hinges: Vec<FlatHinge>,
     /// The pairs of faces that overlap, sorted.
     pairs: Vec<[usize; 2]>,
@@ -43,39 +53,82 @@ impl FlatHinge {
     }
 }
 
-impl Stack {
+impl<'a> FlatSheet<'a> {
     /// Takes a sheet folded by a map. Points closer than `margin`, units of the sheet, may be in another order.
     pub(super) fn new(
-        pattern: &CreasePattern,
-        map: &FoldingMap,
-        fold_angles: &[f64],
+        pattern: &'a CreasePattern,
+        map: FoldingMap,
+        fold_angles: &'a [f64],
         margin: f64,
     ) -> Self {
-        let faces: Vec<Layer> = (0..pattern.faces().len())
-            .map(|face| Layer::new(pattern, map, face, margin))
-            .collect();
-        let hinges = pattern.edges().iter().filter_map(|edge| {
-            let angle = edge
-                .crease
-                .map_or(0.0, |crease| fold_angles[crease.index()]);
-            FlatHinge::new(pattern, map, edge, angle)
-        });
+        let faces = 0..pattern.faces().len();
+        let layers = faces.map(|face| Layer::new(pattern, &map, face, margin));
+        Self {
+            layers: layers.collect(),
+            pattern,
+            map,
+            fold_angles,
+            margin,
+        }
+    }
+
+    /// Takes some of the faces, and of these edges those between them.
+    pub(super) fn stack(
+        &self,
+        faces: impl IntoIterator<Item = FaceId>,
+        edges: impl IntoIterator<Item = EdgeId>,
+    ) -> Stack<'_> {
+        let mut numbers: Vec<FaceId> = faces.into_iter().collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let edges = edges.into_iter();
+        let hinges = edges.filter_map(|edge| self.hinge(self.pattern.edge(edge), &numbers));
+        let hinges = hinges.collect();
+        let layers: Vec<&Layer> = numbers.iter().map(|it| &self.layers[it.index()]).collect();
         let mut pairs = Vec::new();
-        let mut starts = Vec::with_capacity(faces.len() + 1);
-        for (a, one) in faces.iter().enumerate() {
+        let mut starts = Vec::with_capacity(layers.len() + 1);
+        for (a, one) in layers.iter().enumerate() {
             starts.push(pairs.len());
-            let others = faces.iter().enumerate().skip(a + 1);
+            let others = layers.iter().enumerate().skip(a + 1);
             let over = others.filter(|(_, other)| one.overlaps(other));
             pairs.extend(over.map(|(b, _)| [a, b]));
         }
         starts.push(pairs.len());
-        Self {
-            margin,
-            hinges: hinges.collect(),
-            faces,
+        Stack {
+            margin: self.margin,
+            numbers,
+            layers,
+            hinges,
             pairs,
             starts,
         }
+    }
+
+    /// Returns an edge between two of some faces, sorted, where it lies.
+    fn hinge(&self, edge: &Edge, numbers: &[FaceId]) -> Option<FlatHinge> {
+        let faces = edge.inner_faces().filter(|_| !edge.letter.parts())?;
+        let number = |face: FaceId| numbers.binary_search(&face).ok();
+        let pose = &self.map.poses()[faces[0].index()];
+        let place = |vertex: VertexId| pose.apply(self.pattern.vertices()[vertex.index()]).xy();
+        Some(FlatHinge {
+            faces: [number(faces[0])?, number(faces[1])?],
+            ends: edge.ends.map(place),
+            angle: edge
+                .crease
+                .map_or(0.0, |crease| self.fold_angles[crease.index()]),
+        })
+    }
+}
+
+impl Stack<'_> {
+    /// Returns the number of faces.
+    pub(super) fn faces(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// Returns a face of the sheet by its number here.
+    pub(super) fn face(&self, number: usize) -> FaceId {
+        self.numbers[number]
     }
 
     /// Returns the number of pairs of faces that overlap.
@@ -102,6 +155,9 @@ impl Stack {
     /// Returns all that is known of the order; `None` if there are more rules than `most`.
     pub(super) fn rules(&self, most: usize) -> Option<Vec<Rule>> {
         let mut rules = Vec::new();
+        if self.pairs.len() > most {
+            return None;
+        }
         self.add_letters(&mut rules);
         self.add_covered(&mut rules);
         self.add_collinear(&mut rules);
@@ -113,7 +169,7 @@ impl Stack {
     fn add_letters(&self, rules: &mut Vec<Rule>) {
         for hinge in self.hinges.iter().filter(|hinge| hinge.is_folded()) {
             let [a, b] = hinge.faces;
-            let is_above = (hinge.angle > 0.0) == self.faces[a].is_face_up;
+            let is_above = (hinge.angle > 0.0) == self.layers[a].is_face_up;
             rules.extend(self.above(b, a).map(|above| Rule::is(above, is_above)));
         }
     }
@@ -121,7 +177,7 @@ impl Stack {
     /// A face that covers a part of a hinge is above both of its faces, or below both.
     fn add_covered(&self, rules: &mut Vec<Rule>) {
         for hinge in &self.hinges {
-            for (face, layer) in self.faces.iter().enumerate() {
+            for (face, layer) in self.layers.iter().enumerate() {
                 if hinge.faces.contains(&face) || !layer.covers(hinge, self.margin) {
                     continue;
                 }
@@ -171,10 +227,10 @@ impl Stack {
     /// Three faces with a point in common. Ends once there are more rules than `most`.
     fn add_triples(&self, rules: &mut Vec<Rule>, most: usize) {
         for (pair, &[a, b]) in self.pairs.iter().enumerate() {
-            let common = self.faces[a].common(&self.faces[b]);
+            let common = self.layers[a].common(self.layers[b]);
             for &[_, c] in &self.pairs[pair + 1..self.starts[a + 1]] {
                 let Some(bc) = self.above(b, c) else { continue };
-                if clipped(common.clone(), &self.faces[c].inner).is_empty() {
+                if clipped(common.clone(), &self.layers[c].inner).is_empty() {
                     continue;
                 }
                 if let (Some(ab), Some(ca)) = (self.above(a, b), self.above(c, a)) {
@@ -258,17 +314,6 @@ impl Layer {
 }
 
 impl FlatHinge {
-    fn new(pattern: &CreasePattern, map: &FoldingMap, edge: &Edge, angle: f64) -> Option<Self> {
-        let faces = edge.inner_faces().filter(|_| !edge.letter.parts())?;
-        let pose = &map.poses()[faces[0].index()];
-        let end = |k: usize| pose.apply(pattern.vertices()[edge.ends[k].index()]).xy();
-        Some(Self {
-            faces: faces.map(|face| face.index()),
-            ends: [end(0), end(1)],
-            angle,
-        })
-    }
-
     /// Returns `true` if two hinges have a part of a line in common that is longer than `margin`.
     fn is_along(&self, other: &Self, margin: f64) -> bool {
         let way = self.ends[1] - self.ends[0];
