@@ -28,8 +28,8 @@ use crate::pattern::{CreasePattern, EdgeId, FaceId};
 use geometry::{FlatSheet, Stack};
 use search::{Rule, Search};
 
-/// Largest number of faces of a sheet of which all vertices are looked at, and of one of which all faces are looked at
-/// together.
+/// Largest number of faces of a sheet whose vertices are looked at one by one, and of a sheet whose faces are then looked at
+/// all together.
 const MAX_FACES: usize = 20_000;
 const MAX_FACES_TOGETHER: usize = 1000;
 /// Largest number of rules, and of assignments in a search, after which nothing is known.

@@ -1,5 +1,5 @@
-//! Searches for an order that keeps all rules. Of each pair of faces it asks whether the first is above the second; where the
-//! answer does not follow from others, both are tried.
+//! Searches for an order that keeps all rules. Each pair of faces has one answer: the first is above the second, or not. An
+//! answer that does not follow from others is tried both ways.
 
 /// A statement on a pair of faces: the first is above the second, or the other way round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
