@@ -7,9 +7,9 @@ use super::reason::{
     WorstClosure,
 };
 use crate::collision::{Crossing, Thickest, TooThick};
-use crate::pattern::{EdgeId, FaceId};
+use crate::pattern::EdgeId;
 
-/// Largest number of edges that a sentence names.
+/// Largest number of edges or faces that a sentence names.
 const MAX_NAMED: usize = 12;
 /// Largest distance of a goal from where it was asked, radians, with which it counts as not moved.
 const UNMOVED_RAD: f64 = 1e-12;
@@ -30,26 +30,18 @@ struct Edges<'a>(&'a [EdgeId]);
 
 impl Display for Edges<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        name_some(f, "edges", self.0)
+        write!(f, "edges {}", first_of(self.0, MAX_NAMED))
     }
 }
 
-/// Faces by their numbers, no more than are read.
-struct Faces<'a>(&'a [FaceId]);
-
-impl Display for Faces<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        name_some(f, "faces", self.0)
-    }
-}
-
-fn name_some(f: &mut Formatter<'_>, what: &str, all: &[impl Display]) -> Result {
-    let named = all.iter().take(MAX_NAMED);
-    let named: Vec<String> = named.map(ToString::to_string).collect();
-    write!(f, "{what} {}", named.join(", "))?;
-    match all.len().saturating_sub(MAX_NAMED) {
-        0 => Ok(()),
-        more => write!(f, " and {more} more"),
+/// Lists the first ids, at most this number, and counts the others.
+pub(super) fn first_of(ids: &[impl Display], most: usize) -> String {
+    let first = ids.iter().take(most);
+    let first: Vec<String> = first.map(ToString::to_string).collect();
+    let first = first.join(", ");
+    match ids.len().saturating_sub(most) {
+        0 => first,
+        more => format!("{first} and {more} more"),
     }
 }
 
@@ -414,9 +406,9 @@ impl Display for Note {
             ),
             Self::NoLayerOrder(faces) => write!(
                 f,
-                "at the goal, which lies flat, {} pass through each other in whatever order they are stacked: with these \
-                 letters no order of folds leads there",
-                Faces(faces)
+                "at the goal, which lies flat, faces {} pass through each other in whatever order they are stacked: with \
+                 these letters no order of folds leads there",
+                first_of(faces, MAX_NAMED)
             ),
             Self::GoalItselfCrosses {
                 faces: [a, b],

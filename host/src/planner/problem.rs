@@ -8,6 +8,7 @@ use super::{Goal, PlanOptions};
 use crate::collision::Plates;
 use crate::pattern::CreasePattern;
 use crate::progress::{Stage, Watch};
+use crate::symmetry::closure_of;
 use crate::util::clock::Instant;
 
 /// Treatment of the errors that rounded coordinates leave.
@@ -104,6 +105,15 @@ impl PlanningProblem<'_> {
     /// Returns the same problem with another goal.
     pub(super) fn with_goal<'b>(&'b self, goal: &'b Goal) -> PlanningProblem<'b> {
         PlanningProblem { goal, ..*self }
+    }
+
+    /// Returns the goal angles of the creases of the pattern, or of one made of it, if each has one and the residuals there
+    /// are at most `residual`.
+    pub(super) fn closed_goal(&self, pattern: &CreasePattern, residual: f64) -> Option<Vec<f64>> {
+        let goal = &self.goal.fold_angles;
+        let angles = goal.iter().copied().collect::<Option<Vec<f64>>>()?;
+        let is_whole = angles.len() == pattern.creases().len();
+        (is_whole && closure_of(pattern, goal)? <= residual).then_some(angles)
     }
 
     /// Does the work of a stage: tells who watches that it begins, and adds the time that it takes.

@@ -228,12 +228,12 @@ impl Stack<'_> {
     fn add_triples(&self, rules: &mut Vec<Rule>, most: usize) {
         for (pair, &[a, b]) in self.pairs.iter().enumerate() {
             let common = self.layers[a].common(self.layers[b]);
-            for &[_, c] in &self.pairs[pair + 1..self.starts[a + 1]] {
+            for other in pair + 1..self.starts[a + 1] {
+                let [_, c] = self.pairs[other];
                 let Some(bc) = self.above(b, c) else { continue };
-                if clipped(common.clone(), &self.layers[c].inner).is_empty() {
-                    continue;
-                }
-                if let (Some(ab), Some(ca)) = (self.above(a, b), self.above(c, a)) {
+                if !clipped(common.clone(), &self.layers[c].inner).is_empty() {
+                    let [ab, ca] = [(pair, false), (other, true)]
+                        .map(|(pair, is_reversed)| Literal { pair, is_reversed });
                     rules.push(Rule::not_alike([ab, bc, ca]));
                 }
             }
@@ -294,27 +294,14 @@ impl Layer {
         if !self.bounds_meet(&[from.inf(&to), from.sup(&to)]) {
             return false;
         }
-        let way = to - from;
-        let mut part = [0.0, 1.0];
-        for [a, b] in sides(&self.inner) {
-            let inward = |point: &Vector2<f64>| (b - a).perp(point);
-            let (start, rate) = (inward(&(from - a)), inward(&way));
-            if rate.abs() <= f64::EPSILON * (b - a).norm() * way.norm() {
-                if start <= 0.0 {
-                    return false;
-                }
-            } else if rate > 0.0 {
-                part[0] = f64::max(part[0], -start / rate);
-            } else {
-                part[1] = f64::min(part[1], -start / rate);
-            }
-        }
-        (part[1] - part[0]) * way.norm() > margin
+        // A line is a polygon with two corners. What is left of it begins with the corner nearest to its start.
+        let part = clipped(vec![from, to], &self.inner);
+        part.iter().any(|corner| (corner - part[0]).norm() > margin)
     }
 }
 
 impl FlatHinge {
-    /// Returns `true` if two hinges have a part of a line in common that is longer than `margin`.
+    /// Returns `true` if two hinges lie on a line up to `margin`, and overlap there by more than four margins.
     fn is_along(&self, other: &Self, margin: f64) -> bool {
         let way = self.ends[1] - self.ends[0];
         let length = way.norm();

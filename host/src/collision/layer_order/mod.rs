@@ -32,7 +32,7 @@ use search::{Rule, Search};
 /// all together.
 const MAX_FACES: usize = 20_000;
 const MAX_FACES_TOGETHER: usize = 1000;
-/// Largest number of rules, and of assignments in a search, after which nothing is known.
+/// Largest number of rules, and of rules looked at in all searches of a stack, after which nothing is known.
 const MAX_RULES: usize = 50_000;
 const MAX_STEPS: usize = 500_000;
 /// Ratio of the distance up to which points may lie otherwise than they are placed to contact and tears.

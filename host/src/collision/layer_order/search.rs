@@ -2,21 +2,21 @@
 //! answer that does not follow from others is tried both ways.
 
 /// A statement on a pair of faces: the first is above the second, or the other way round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub(super) struct Literal {
     pub(super) pair: usize,
     pub(super) is_reversed: bool,
 }
 
 /// A condition on the answers to up to four questions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct Rule {
     pairs: [usize; 4],
     len: usize,
     kind: Kind,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 enum Kind {
     /// The number of pairs whose first face is above is odd, or even.
     Parity { is_odd: bool },
@@ -108,7 +108,7 @@ impl Rule {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What follows from a rule.
 enum Follows {
     Nothing,
     Answer { pair: usize, answer: bool },
@@ -146,7 +146,8 @@ impl<'a> Search<'a> {
     /// up.
     pub(super) fn has_solution(mut self, steps: &mut usize) -> Option<bool> {
         for rule in 0..self.rules.len() {
-            if !self.keeps(rule, steps)? {
+            let before = self.trail.len();
+            if !self.keeps(rule) || !self.follow(before, steps)? {
                 return Some(false);
             }
         }
@@ -215,30 +216,33 @@ impl<'a> Search<'a> {
 
     /// Answers a pair, and all that follows. Returns `false` if that breaks a rule.
     fn answer(&mut self, pair: usize, answer: bool, steps: &mut usize) -> Option<bool> {
-        let mut at = self.trail.len();
+        let before = self.trail.len();
         self.set(pair, answer);
+        self.follow(before, steps)
+    }
+
+    /// Answers all that follows from the answers after the first `at`. Returns `false` if they break a rule.
+    fn follow(&mut self, mut at: usize, steps: &mut usize) -> Option<bool> {
         while let Some(&pair) = self.trail.get(at) {
             at += 1;
             for k in 0..self.rules_on[pair].len() {
                 *steps = steps.checked_sub(1)?;
-                let rule = self.rules_on[pair][k] as usize;
-                match self.rules[rule].follows(&self.answers) {
-                    Follows::Nothing => {}
-                    Follows::Answer { pair, answer } => self.set(pair, answer),
-                    Follows::Contradiction => return Some(false),
+                if !self.keeps(self.rules_on[pair][k] as usize) {
+                    return Some(false);
                 }
             }
         }
         Some(true)
     }
 
-    /// Answers what follows from one rule. Returns `false` if that breaks a rule.
-    fn keeps(&mut self, rule: usize, steps: &mut usize) -> Option<bool> {
+    /// Answers what follows from one rule. Returns `false` if it is broken.
+    fn keeps(&mut self, rule: usize) -> bool {
         match self.rules[rule].follows(&self.answers) {
-            Follows::Nothing => Some(true),
-            Follows::Answer { pair, answer } => self.answer(pair, answer, steps),
-            Follows::Contradiction => Some(false),
+            Follows::Nothing => {}
+            Follows::Answer { pair, answer } => self.set(pair, answer),
+            Follows::Contradiction => return false,
         }
+        true
     }
 
     fn set(&mut self, pair: usize, answer: bool) {

@@ -464,7 +464,7 @@ mod tests {
             if is_accordion {
                 assert!(turned <= off + 1e-12, "{case}: {turned} {off}");
             }
-            // What is no number bounds nothing.
+            // If a change is not a number, neither are the bounds.
             let mut unknown = changes.clone();
             unknown[case % count].off = f64::NAN;
             assert!(moved.farthest(&unknown).is_nan() && moved.turned(&unknown).is_nan());

@@ -7,6 +7,7 @@ use super::certificate::Lock;
 use super::flat_cone::{bend, direction_errors, held_at};
 use super::locked_loop::LockedLoop;
 use crate::pattern::{ClosureSite, CreasePattern, EdgeId, FlatFlaw, VertexId};
+use crate::planner::messages::first_of;
 use crate::planner::reason::ProofOrder;
 use crate::planner::{Goal, GoalKind};
 use crate::util::nan_max::bounding_box;
@@ -180,23 +181,12 @@ fn off_by(degrees: f64, other: f64) -> String {
 
 /// Names the first ids, and counts the others.
 fn named(what: &str, ids: &[impl fmt::Display]) -> String {
-    let first: Vec<String> = ids
-        .iter()
-        .take(MAX_NAMED)
-        .map(ToString::to_string)
-        .collect();
     let plural = match (what, ids.len()) {
         (_, 1) => what.to_string(),
         ("vertex", _) => "vertices".into(),
         _ => format!("{what}s"),
     };
-    let more = ids.len().saturating_sub(MAX_NAMED);
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
-    format!("{plural} {}{more}", first.join(", "))
+    format!("{plural} {}", first_of(ids, MAX_NAMED))
 }
 
 /// Returns the causes at single vertices: too few creases, and, if the goal is folded flat, the theorems of Kawasaki and

@@ -16,7 +16,6 @@ use crate::planner::plan::{Outcome, Plan};
 use crate::planner::problem::PlanningProblem;
 use crate::planner::reason::{FirstSteps, Note, ProofOrder, Reason};
 use crate::planner::vectors::largest;
-use crate::symmetry::closure_of;
 
 /// Part of the way from which on a path nearly reaches its goal.
 const NEARLY_REACHED: f64 = 0.999;
@@ -138,10 +137,7 @@ pub(super) fn goal_crossing(
     asked: &PlanningProblem<'_>,
     pattern: &CreasePattern,
 ) -> Option<Crossing> {
-    let goal = &asked.goal.fold_angles;
-    let angles: Option<Vec<f64>> = goal.iter().copied().collect();
-    let closes = closure_of(pattern, goal).is_some_and(|residual| residual <= NEARLY_CLOSED);
-    let angles = angles.filter(|angles| closes && angles.len() == pattern.creases().len())?;
+    let angles = asked.closed_goal(pattern, NEARLY_CLOSED)?;
     let map = FoldingMap::new(pattern, pattern.tree(), &angles);
     let contact = asked.plates.map_or(0.0, |_| asked.contact);
     CollisionScene::of_plates(pattern, asked.plates).deepest_crossing(&map, contact)

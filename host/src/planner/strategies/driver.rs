@@ -261,9 +261,9 @@ const fn other_seed(seed: u64) -> Row {
 
 /// Returns `true` if faces cross at the goal, which names every crease and closes as asked: no path leads there.
 fn crosses_at_goal_asked(context: &Context<'_>) -> bool {
-    let (pattern, goal) = (context.problem.pattern, &context.problem.goal.fold_angles);
+    let problem = context.problem;
     matches!(context.best.reason, Some(Reason::GoalCrosses { .. }))
-        && closure_of(pattern, goal).is_some_and(|off| off <= CLOSED)
+        && problem.closed_goal(problem.pattern, CLOSED).is_some()
 }
 
 /// Returns `true` if a goal is that of driven creases alone, and the pattern names goal angles that close, within the bound,
